@@ -1,0 +1,4 @@
+//! Candela's host: scenes, Vulkan, passes, commands.
+pub mod error;
+pub mod scene;
+pub mod vulkan;

@@ -1,0 +1,202 @@
+//! A scene as plain CPU data: no Vulkan type, no file handle. Loaders and generators make it, `gpu_scene` uploads it.
+
+pub mod atrium;
+pub mod fixtures;
+pub mod gltf;
+pub mod lights;
+
+use glam::{Affine3A, Vec2, Vec3, Vec4};
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// Everything that is drawn, in metres and photometric units.
+#[derive(Clone, Debug, Default)]
+pub struct SceneDescription {
+    pub name: String,
+    pub meshes: Vec<Mesh>,
+    pub instances: Vec<Instance>,
+    pub materials: Vec<Material>,
+    pub textures: Vec<Texture>,
+    pub lights: Vec<PointLight>,
+    pub cameras: Vec<SceneCamera>,
+    /// One line each: what the file has and the picture will not show, and why.
+    pub warnings: Vec<String>,
+}
+
+/// Geometry that is shared by instances; each primitive has one material.
+#[derive(Clone, Debug, Default)]
+pub struct Mesh {
+    pub name: String,
+    pub primitives: Vec<Primitive>,
+}
+
+/// An indexed triangle list. All attribute vectors have one entry a vertex, or are empty where the file has none
+/// (normals are never empty: loaders compute flat ones).
+#[derive(Clone, Debug, Default)]
+pub struct Primitive {
+    pub material: usize,
+    /// Object space, m; finite.
+    pub positions: Vec<Vec3>,
+    /// Unit, object space.
+    pub normals: Vec<Vec3>,
+    /// Unit tangent and handedness (w = ±1), object space.
+    pub tangents: Vec<Vec4>,
+    pub uvs: Vec<Vec2>,
+    /// Linear RGBA, 0..=1.
+    pub colors: Vec<Vec4>,
+    /// Three a triangle, each below the number of positions.
+    pub indices: Vec<u32>,
+}
+
+/// A mesh in the world.
+#[derive(Clone, Debug)]
+pub struct Instance {
+    pub name: String,
+    pub mesh: usize,
+    /// Object to world.
+    pub transform: Affine3A,
+}
+
+/// glTF metallic-roughness parameters.
+#[derive(Clone, Debug)]
+pub struct Material {
+    pub name: String,
+    /// Linear RGBA.
+    pub base_color: Vec4,
+    pub base_color_texture: Option<usize>,
+    pub metallic: f32,
+    pub roughness: f32,
+    pub metallic_roughness_texture: Option<usize>,
+    pub normal_texture: Option<usize>,
+    pub normal_scale: f32,
+    /// Radiance, nit, linear RGB (strength included).
+    pub emission: Vec3,
+    pub emissive_texture: Option<usize>,
+    pub double_sided: bool,
+}
+
+/// An image with the way it is read.
+#[derive(Clone, Debug)]
+pub struct Texture {
+    pub image: Arc<Image>,
+    /// The texels are sRGB-encoded color (else linear data).
+    pub srgb: bool,
+    pub wrap: [Wrap; 2],
+    /// Magnification by interpolation (else nearest).
+    pub linear_filter: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Wrap {
+    Repeat,
+    MirroredRepeat,
+    ClampToEdge,
+}
+
+/// Decoded RGBA8 texels, rows from the top.
+#[derive(Debug)]
+pub struct Image {
+    pub name: String,
+    pub width: u32,
+    pub height: u32,
+    pub texels: Vec<u8>,
+}
+
+/// A point light in world space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PointLight {
+    /// m
+    pub position: Vec3,
+    /// cd, linear RGB
+    pub intensity: Vec3,
+}
+
+/// A perspective camera in world space.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SceneCamera {
+    pub name: String,
+    pub position: Vec3,
+    /// Unit.
+    pub forward: Vec3,
+    pub up: Vec3,
+    /// Vertical field of view, radians.
+    pub fov_y: f32,
+}
+
+/// Axis-aligned box, m. Empty where `min > max`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds {
+    pub min: Vec3,
+    pub max: Vec3,
+}
+
+/// Where a scene comes from, as the command line names it.
+#[derive(Clone, Debug, PartialEq)]
+pub enum SceneSource {
+    /// The procedural hall: nothing to download.
+    Atrium,
+    File(PathBuf),
+}
+
+impl Default for Material {
+    /// glTF's default material, but for its metal: a file without materials should look like plaster, not chrome.
+    fn default() -> Self {
+        Material {
+            name: String::new(),
+            base_color: Vec4::ONE,
+            base_color_texture: None,
+            metallic: 0.0,
+            roughness: 1.0,
+            metallic_roughness_texture: None,
+            normal_texture: None,
+            normal_scale: 1.0,
+            emission: Vec3::ZERO,
+            emissive_texture: None,
+            double_sided: false,
+        }
+    }
+}
+
+impl Default for Bounds {
+    fn default() -> Self {
+        Bounds { min: Vec3::INFINITY, max: Vec3::NEG_INFINITY }
+    }
+}
+
+impl Bounds {
+    pub fn add(&mut self, p: Vec3) {
+        self.min = self.min.min(p);
+        self.max = self.max.max(p);
+    }
+
+    pub fn center(&self) -> Vec3 {
+        0.5 * (self.min + self.max)
+    }
+
+    /// Length of the box along each axis.
+    pub fn extent(&self) -> Vec3 {
+        self.max - self.min
+    }
+}
+
+impl SceneDescription {
+    /// World-space box around all instances.
+    pub fn bounds(&self) -> Bounds {
+        let mut bounds = Bounds::default();
+        for instance in &self.instances {
+            for primitive in &self.meshes[instance.mesh].primitives {
+                // Of all vertices: a box around a turned box is needlessly large.
+                for &p in &primitive.positions {
+                    bounds.add(instance.transform.transform_point3(p));
+                }
+            }
+        }
+        bounds
+    }
+
+    /// Triangles as instanced in the world.
+    pub fn triangle_count(&self) -> usize {
+        let of_mesh = |mesh: &Mesh| mesh.primitives.iter().map(|p| p.indices.len() / 3).sum::<usize>();
+        self.instances.iter().map(|instance| of_mesh(&self.meshes[instance.mesh])).sum()
+    }
+}

@@ -1,0 +1,1 @@
+//! Vulkan, as thin as safety allows.

@@ -1,0 +1,171 @@
+//! The reflection model: glTF 2.0 appendix B (Lambert under a GGX microfacet lobe).
+
+use crate::material::Reflectance;
+use crate::math::safe_ratio;
+use core::f32::consts::FRAC_1_PI;
+use glam::Vec3;
+#[cfg(target_arch = "spirv")]
+use spirv_std::num_traits::Float;
+
+/// Least α = roughness²: a mirror lit by a point light has no finite radiance, so the narrowest lobe is 1 mrad wide.
+pub const MIN_ALPHA: f32 = 1e-3;
+
+/// f(wo, wi), 1/sr, linear RGB, for unit directions and the shading normal `n`; 0 where either is below the surface.
+///
+/// f = (1 - F) diffuse/π + F D V with Schlick's F at (wi·h), GGX D, height-correlated Smith V
+/// (glTF 2.0 appendix B.3; Heitz 2014, eq. 99).
+pub fn eval(reflectance: &Reflectance, n: Vec3, wo: Vec3, wi: Vec3) -> Vec3 {
+    let cos_o = n.dot(wo);
+    let cos_i = n.dot(wi);
+    if !(cos_o > 0.0 && cos_i > 0.0) {
+        return Vec3::ZERO;
+    }
+    let half = (wo + wi).normalize();
+    let fresnel = schlick(reflectance.f0, wi.dot(half).clamp(0.0, 1.0));
+    let alpha = (reflectance.roughness * reflectance.roughness).max(MIN_ALPHA);
+    let specular = ggx(n, half, alpha) * smith(cos_o, cos_i, alpha);
+    (Vec3::ONE - fresnel) * reflectance.diffuse * FRAC_1_PI + fresnel * specular
+}
+
+/// F = f0 + (1 - f0)(1 - cosθ)^5 (Schlick 1994).
+fn schlick(f0: Vec3, cos: f32) -> Vec3 {
+    let m = 1.0 - cos;
+    let m2 = m * m;
+    f0 + (Vec3::ONE - f0) * (m2 * m2 * m)
+}
+
+/// D(h), 1/sr (Trowbridge & Reitz 1975): sin²θ from the cross product, which keeps its digits at narrow lobes.
+fn ggx(n: Vec3, half: Vec3, alpha: f32) -> f32 {
+    let sin2 = n.cross(half).length_squared();
+    let cos = n.dot(half);
+    let denominator = sin2 + cos * cos * alpha * alpha;
+    safe_ratio(alpha * alpha * FRAC_1_PI, denominator * denominator)
+}
+
+/// V = G / (4 cosθo cosθi), height-correlated.
+fn smith(cos_o: f32, cos_i: f32, alpha: f32) -> f32 {
+    let a2 = alpha * alpha;
+    let o = cos_i * (cos_o * cos_o * (1.0 - a2) + a2).sqrt();
+    let i = cos_o * (cos_i * cos_i * (1.0 - a2) + a2).sqrt();
+    safe_ratio(0.5, o + i)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn direction(cos: f32, phi: f32) -> Vec3 {
+        let sin = (1.0 - cos * cos).max(0.0).sqrt();
+        Vec3::new(sin * phi.cos(), sin * phi.sin(), cos)
+    }
+
+    /// ∫ f cosθ dω by a midpoint rule in (cosθ², φ).
+    fn albedo(reflectance: &Reflectance, wo: Vec3, n: usize) -> Vec3 {
+        let mut sum = glam::DVec3::ZERO;
+        for i in 0..n * n {
+            let cos = (((i % n) as f32 + 0.5) / n as f32).sqrt();
+            let phi = core::f32::consts::TAU * ((i / n) as f32 + 0.5) / n as f32;
+            sum += eval(reflectance, Vec3::Z, wo, direction(cos, phi)).as_dvec3();
+        }
+        (sum * core::f64::consts::PI / (n * n) as f64).as_vec3()
+    }
+
+    /// The formulas of the specification as they stand there (B.3.2 to B.3.6), in f64.
+    fn specification(r: &Reflectance, n: Vec3, wo: Vec3, wi: Vec3) -> glam::DVec3 {
+        use core::f64::consts::PI;
+        let (n, v, l) = (n.as_dvec3(), wo.as_dvec3().normalize(), wi.as_dvec3().normalize());
+        let h = (l + v).normalize();
+        let a = f64::from(r.roughness) * f64::from(r.roughness);
+        let (nl, nv, nh, vh) = (n.dot(l), n.dot(v), n.dot(h), v.dot(h));
+        let d = a * a / (PI * (nh * nh * (a * a - 1.0) + 1.0).powi(2));
+        let lambda = |c: f64| c + (a * a + (1.0 - a * a) * c * c).sqrt();
+        let g = 2.0 * nl * nv / (0.5 * (nl * (lambda(nv) - nv) + nv * (lambda(nl) - nl))) * 0.25;
+        let f0 = r.f0.as_dvec3();
+        let f = f0 + (1.0 - f0) * (1.0 - vh.abs()).powi(5);
+        (1.0 - f) * r.diffuse.as_dvec3() / PI + f * d * g / (4.0 * nl * nv)
+    }
+
+    #[test]
+    fn equals_the_specification() {
+        for i in 0..2000 {
+            let t = i as f32 / 2000.0;
+            let (wo, wi) = (direction(0.02 + 0.97 * t, 7.0 * t), direction(0.99 - 0.9 * t, -11.0 * t));
+            let r = Reflectance::from_metallic_roughness(Vec3::new(0.9, 0.4, 0.1), (t * 3.0) % 1.0, 0.1 + 0.9 * t);
+            let (ours, exact) = (eval(&r, Vec3::Z, wo, wi).as_dvec3(), specification(&r, Vec3::Z, wo, wi));
+            assert!((ours - exact).abs().max_element() <= 1e-4 * exact.max_element(), "{ours} is not {exact} at {t}");
+        }
+    }
+
+    /// White furnace: no surface gives back more light than it gets. Schlick's diffuse term may exceed 1 by no more
+    /// than the quadrature's error (1e-3).
+    #[test]
+    fn no_energy_is_made() {
+        for metallic in [0.0, 0.5, 1.0] {
+            for roughness in [0.2, 0.5, 1.0] {
+                for cos in [0.05, 0.2, 0.5, 0.8, 1.0] {
+                    let r = Reflectance::from_metallic_roughness(Vec3::ONE, metallic, roughness);
+                    let a = albedo(&r, direction(cos, 0.3), 400).max_element();
+                    assert!(a < 1.001, "albedo {a}: metallic {metallic}, roughness {roughness}, cos {cos}");
+                }
+            }
+        }
+    }
+
+    /// A smooth metal loses nothing: single scattering keeps all energy as roughness goes to 0.
+    #[test]
+    fn smooth_metal_reflects_all() {
+        let r = Reflectance::from_metallic_roughness(Vec3::ONE, 1.0, 0.2);
+        let a = albedo(&r, Vec3::Z, 2000).x;
+        assert!((a - 1.0).abs() < 5e-3, "albedo {a}");
+    }
+
+    #[test]
+    fn reciprocal() {
+        for i in 0..1000 {
+            let t = i as f32 / 1000.0;
+            let wo = direction(0.02 + 0.97 * t, 7.0 * t);
+            let wi = direction(0.99 - 0.9 * t, -11.0 * t);
+            let r = Reflectance::from_metallic_roughness(Vec3::new(0.9, 0.4, 0.1), t, 1.0 - t);
+            let (there, back) = (eval(&r, Vec3::Z, wo, wi), eval(&r, Vec3::Z, wi, wo));
+            assert!((there - back).abs().max_element() <= 1e-4 * there.max_element(), "{there} and {back}");
+        }
+    }
+
+    /// ∫ D cosθ dω = 1, in closed form for GGX; checked by quadrature over tanθ, where D is smooth at any width.
+    #[test]
+    fn microfacets_cover_the_surface_once() {
+        for alpha in [MIN_ALPHA, 0.04, 0.3, 1.0] {
+            let n = 20_000;
+            let mut sum = 0.0f64;
+            for i in 0..n {
+                // u = tan²θ/(α² + tan²θ) maps the measure to du, exactly.
+                let u = (f64::from(i) + 0.5) / f64::from(n);
+                let tan2 = f64::from(alpha).powi(2) * u / (1.0 - u);
+                let cos2 = 1.0 / (1.0 + tan2);
+                let du = f64::from(alpha).powi(2) / (f64::from(alpha).powi(2) + tan2).powi(2);
+                let dtan2 = 1.0 / du;
+                let h = Vec3::new((1.0 - cos2).sqrt() as f32, 0.0, cos2.sqrt() as f32);
+                // cosθ dω = 2π cosθ sinθ dθ = π cos⁴θ d(tan²θ).
+                let jacobian = core::f64::consts::PI * cos2 * cos2 * dtan2;
+                sum += f64::from(ggx(Vec3::Z, h, alpha)) * jacobian / f64::from(n);
+            }
+            assert!((sum - 1.0).abs() < 1e-3, "alpha {alpha}: {sum}");
+        }
+    }
+
+    #[test]
+    fn hard_directions_stay_finite() {
+        for roughness in [0.0, 1e-3, 1.0] {
+            for cos in [1e-7, 1e-4, 1.0] {
+                let r = Reflectance::from_metallic_roughness(Vec3::ONE, 1.0, roughness);
+                for phi in [0.0, core::f32::consts::PI] {
+                    let f = eval(&r, Vec3::Z, direction(cos, 0.0), direction(cos, phi));
+                    assert!(f.is_finite() && f.min_element() >= 0.0, "{f}: roughness {roughness}, cos {cos}");
+                }
+            }
+        }
+        let r = Reflectance::from_metallic_roughness(Vec3::ONE, 0.0, 1.0);
+        assert_eq!(eval(&r, Vec3::Z, Vec3::Z, -Vec3::Z), Vec3::ZERO);
+        assert_eq!(eval(&r, Vec3::Z, -Vec3::Z, Vec3::Z), Vec3::ZERO);
+    }
+}

@@ -1,0 +1,92 @@
+//! What stays the same for all pixels of a frame: cameras, size, seed and every knob.
+
+use crate::camera::Camera;
+use bytemuck::{Pod, Zeroable};
+use glam::UVec2;
+
+/// Every knob of the estimator.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct Settings {
+    /// Candidates a reservoir is filled with in `initial`, 1..=1024. More: less noise, more time. No bias.
+    pub candidates: u32,
+    /// 1: a shadow ray kills the reservoir of an occluded sample before it is reused (Bitterli et al. 2020, Alg. 5).
+    /// Biased mode darkens near shadow edges for it, and is far less noisy.
+    pub visibility_reuse: u32,
+    /// 1: merge the reprojected reservoir of the previous frame.
+    pub temporal: u32,
+    /// 1: merge reservoirs of neighboring pixels.
+    pub spatial: u32,
+    /// Spatial passes n, 1..=8.
+    pub spatial_iterations: u32,
+    /// Neighbors k of each spatial pass, 1..=32.
+    pub neighbors: u32,
+    /// Neighbors are drawn from a disk of this radius, in pixels.
+    pub radius: f32,
+    /// A neighbor's distance to the camera may differ by this fraction.
+    pub depth_threshold: f32,
+    /// A neighbor's normal may differ by the angle with this cosine.
+    pub normal_threshold: f32,
+    /// A history stands for at most this many times the candidates of a new reservoir (Bitterli et al.: 20).
+    pub confidence_cap: f32,
+    /// Reservoirs a pixel N, 1..=4; `shade` averages them.
+    pub reservoirs: u32,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Settings {
+            candidates: 32,
+            visibility_reuse: 1,
+            temporal: 1,
+            spatial: 1,
+            spatial_iterations: 2,
+            neighbors: 4,
+            radius: 30.0,
+            depth_threshold: 0.1,
+            // cos 25°, as Bitterli et al. have it.
+            normal_threshold: 0.906,
+            confidence_cap: 20.0,
+            reservoirs: 1,
+        }
+    }
+}
+
+/// Constants of one frame, the same for all of its passes.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct FrameConstants {
+    pub camera: Camera,
+    /// The camera of the previous frame; equal to `camera` in the first.
+    pub previous_camera: Camera,
+    /// Image size in pixels.
+    pub size: UVec2,
+    /// Number of the frame since the start of its history: 0 has no past.
+    pub index: u32,
+    /// Seed of the run.
+    pub seed: u32,
+    pub settings: Settings,
+    /// Factor from cd/m² to display values.
+    pub exposure: f32,
+    /// Radiance of what lies behind the scene, nit, linear RGB.
+    pub background: glam::Vec3,
+}
+
+impl FrameConstants {
+    pub fn pixels(&self) -> u32 {
+        self.size.x * self.size.y
+    }
+
+    /// Place of `pixel` in the frame's buffers (rows from the top).
+    pub fn pixel_index(&self, pixel: UVec2) -> u32 {
+        pixel.y * self.size.x + pixel.x
+    }
+}
+
+/// What a scene contains, as bits: pipelines are specialised with them.
+pub mod features {
+    /// At least one material has a texture.
+    pub const TEXTURES: u32 = 1;
+    /// At least one material has a normal map.
+    pub const NORMAL_MAPS: u32 = 2;
+}

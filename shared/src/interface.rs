@@ -1,0 +1,80 @@
+//! What shaders and host must agree on: payloads, bindings, indices. (rust-gpu wants literals in its attributes;
+//! a test reads the .spv files and compares them with these.)
+
+use bytemuck::{Pod, Zeroable};
+use glam::Vec2;
+
+/// Payload of primary rays: what was hit. 20 bytes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct HitPayload {
+    /// 1: something was hit, and the other fields are valid.
+    pub hit: u32,
+    /// Index of its [`crate::geometry::InstanceGeometry`].
+    pub instance: u32,
+    /// Triangle within that geometry.
+    pub primitive: u32,
+    /// Weights of the second and third corner.
+    pub barycentrics: Vec2,
+}
+
+/// Payload of shadow rays. Starts at 0; only the miss shader sets it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct ShadowPayload {
+    /// 1: nothing lies between the ends of the ray.
+    pub visible: u32,
+}
+
+/// Push constants of a pass; each pass uses what it needs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct PassConstants {
+    /// Spatial: which iteration this is.
+    pub iteration: u32,
+    /// Reference: the range of lights to add.
+    pub first_light: u32,
+    pub light_count: u32,
+}
+
+/// Miss shaders in the order of the shader binding table.
+pub mod miss {
+    pub const PRIMARY: u32 = 0;
+    pub const SHADOW: u32 = 1;
+}
+
+/// Ids of specialisation constants.
+pub mod spec_constant {
+    /// [`crate::frame::features`] of the scene.
+    pub const FEATURES: u32 = 0;
+}
+
+/// Descriptor set 0: the scene, the same for all frames.
+pub mod scene_binding {
+    pub const SET: u32 = 0;
+    pub const TLAS: u32 = 0;
+    pub const INSTANCES: u32 = 1;
+    pub const POSITIONS: u32 = 2;
+    pub const ATTRIBUTES: u32 = 3;
+    pub const INDICES: u32 = 4;
+    pub const MATERIALS: u32 = 5;
+    pub const LIGHTS: u32 = 6;
+    pub const ALIAS: u32 = 7;
+    pub const TEXTURES: u32 = 8;
+}
+
+/// Descriptor set 1: the buffers of a frame, pushed for each pass.
+pub mod frame_binding {
+    pub const SET: u32 = 1;
+    pub const CONSTANTS: u32 = 0;
+    pub const GBUFFER: u32 = 1;
+    pub const PREVIOUS_GBUFFER: u32 = 2;
+    pub const RESERVOIRS_IN: u32 = 3;
+    pub const RESERVOIRS_OUT: u32 = 4;
+    pub const RESERVOIRS_HISTORY: u32 = 5;
+    pub const RADIANCE: u32 = 6;
+    pub const DISPLAY: u32 = 7;
+}
+
+/// Threads of a compute pass's workgroup, in x and y.
+pub const WORKGROUP: u32 = 8;

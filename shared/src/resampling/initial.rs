@@ -1,0 +1,41 @@
+//! Fills a pixel's reservoir with fresh light candidates: streaming RIS (Bitterli et al. 2020, Alg. 3).
+
+use crate::light::LightTable;
+use crate::math::safe_ratio;
+use crate::reservoir::{Reservoir, StoredReservoir};
+use crate::rng::{Rng, unit_f32};
+use crate::shadow::ShadowRay;
+use crate::surface::Surface;
+use crate::target::target_function;
+
+/// A finished reservoir, and the ray of visibility reuse that may still empty it.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Proposal {
+    pub reservoir: StoredReservoir,
+    pub ray: ShadowRay,
+}
+
+impl Proposal {
+    /// No ray is worth tracing for nothing.
+    pub fn is_dark(&self) -> bool {
+        self.reservoir.contribution_weight == 0.0
+    }
+}
+
+/// Resamples `candidates` draws from the light table: w = p̂/p, survivor ~ p̂ as candidates grow.
+pub fn propose(surface: &Surface, lights: LightTable<'_>, candidates: u32, rng: &mut Rng) -> Proposal {
+    let mut reservoir = Reservoir::default();
+    for _ in 0..candidates {
+        let random = rng.next_u32x4();
+        let (sample, source_pdf) = lights.sample([random.x, random.y, random.z]);
+        let target = target_function(surface, &lights.incident(sample, surface.position));
+        reservoir.add(sample, target, safe_ratio(target, source_pdf.0), 1.0, unit_f32(random.w));
+    }
+    let ray = ShadowRay::new(surface, &lights.incident(reservoir.sample, surface.position));
+    Proposal { reservoir: reservoir.finish(reservoir.confidence), ray }
+}
+
+/// Visibility reuse (Bitterli et al. 2020, Alg. 5, line 6).
+pub fn accept(proposal: Proposal, visible: bool) -> StoredReservoir {
+    if visible { proposal.reservoir } else { proposal.reservoir.occluded() }
+}

@@ -1,0 +1,169 @@
+//! Weighted reservoir sampling: one survivor from a stream of candidates, drawn in proportion to their weights.
+
+use crate::light::LightSample;
+use crate::math::safe_ratio;
+use bytemuck::{Pod, Zeroable};
+
+/// A reservoir while it is being filled, in registers (Bitterli et al. 2020, Alg. 2).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Reservoir {
+    /// The survivor y.
+    pub sample: LightSample,
+    /// p̂(y) at the pixel that fills the reservoir.
+    pub target: f32,
+    /// Σ w over all candidates seen.
+    pub weight_sum: f32,
+    /// M: candidates seen, directly or through merged reservoirs. An integer, exact up to 2^24.
+    pub confidence: f32,
+}
+
+/// A reservoir in memory between passes. 16 bytes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct StoredReservoir {
+    pub sample: LightSample,
+    /// W, an unbiased estimate of 1/p(y); 0: no light found. Always finite.
+    pub contribution_weight: f32,
+    /// M. An integer.
+    pub confidence: f32,
+}
+
+impl Reservoir {
+    /// Shows the reservoir one candidate that stands for `confidence` others and weighs `resampling_weight`; `u` in [0, 1).
+    /// Tells whether it became the survivor, which happens with probability w / Σw. A weight that is no positive
+    /// finite number counts as 0.
+    pub fn add(&mut self, sample: LightSample, target: f32, resampling_weight: f32, confidence: f32, u: f32) -> bool {
+        self.confidence += confidence;
+        // False for NaN too; f32::MAX keeps the sum of few weights finite.
+        if !(resampling_weight > 0.0 && resampling_weight < 1e35) {
+            return false;
+        }
+        self.weight_sum += resampling_weight;
+        let survives = u * self.weight_sum < resampling_weight;
+        if survives {
+            self.sample = sample;
+            self.target = target;
+        }
+        survives
+    }
+
+    /// Shows the reservoir the survivor of `other`, whose target function at *this* pixel is `target`:
+    /// w = p̂(y) W M (Bitterli et al. 2020, Alg. 4).
+    pub fn merge(&mut self, other: StoredReservoir, target: f32, u: f32) -> bool {
+        let weight = target * other.contribution_weight * other.confidence;
+        self.add(other.sample, target, weight, other.confidence, u)
+    }
+
+    /// W = Σw / (`normalization` p̂(y)). With normalization M it is RIS with uniform MIS weights (eq. 6).
+    pub fn finish(&self, normalization: f32) -> StoredReservoir {
+        StoredReservoir {
+            sample: self.sample,
+            contribution_weight: safe_ratio(safe_ratio(self.weight_sum, normalization), self.target),
+            confidence: self.confidence,
+        }
+    }
+}
+
+impl StoredReservoir {
+    /// Visibility reuse: an occluded survivor contributes nothing, here and wherever it would be reused.
+    pub fn occluded(self) -> Self {
+        StoredReservoir { contribution_weight: 0.0, ..self }
+    }
+
+    /// The same reservoir standing for at most `cap` candidates.
+    pub fn capped(self, cap: f32) -> Self {
+        StoredReservoir { confidence: self.confidence.min(cap), ..self }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rng::{Rng, Stream};
+    use glam::UVec2;
+
+    fn sample(light: u32) -> LightSample {
+        LightSample { light, uv: 0 }
+    }
+
+    fn chi2(counts: &[u32], mass: &[f64]) -> f64 {
+        let n: u32 = counts.iter().sum();
+        counts.iter().zip(mass).map(|(&c, m)| (f64::from(c) - m * f64::from(n)).powi(2) / (m * f64::from(n))).sum()
+    }
+
+    /// Survivors follow w_i / Σw. Chi-square with 4 degrees of freedom, false alarm 1e-4 (fixed seed); the planted
+    /// error (the last candidate always survives) must be seen.
+    #[test]
+    fn survivors_follow_their_weights() {
+        const WEIGHTS: [f32; 5] = [1.0, 5.0, 0.5, 2.5, 1.0];
+        const LIMIT: f64 = 23.51;
+        let mass = WEIGHTS.map(|w| f64::from(w) / 10.0);
+        let run = |bias: f32| {
+            let mut counts = [0u32; 5];
+            for i in 0..200_000 {
+                let mut rng = Rng::new(UVec2::new(i, 0), 0, 5, Stream::Initial, 0);
+                let mut reservoir = Reservoir::default();
+                for (light, &w) in WEIGHTS.iter().enumerate() {
+                    reservoir.add(sample(light as u32), w, w, 1.0, rng.next_f32() * bias);
+                }
+                assert_eq!((reservoir.confidence, reservoir.weight_sum), (5.0, 10.0));
+                counts[reservoir.sample.light as usize] += 1;
+            }
+            chi2(&counts, &mass)
+        };
+        assert!(run(1.0) < LIMIT, "chi-square {}", run(1.0));
+        assert!(run(0.9) > LIMIT, "the planted error was not seen");
+    }
+
+    /// Merging two reservoirs draws as one reservoir that saw both streams would: with W = Σw/(M p̂) and one p̂, the
+    /// merged weight p̂ W M is Σw again. Chi-square as above.
+    #[test]
+    fn merging_equals_one_long_stream() {
+        const STREAMS: [[f32; 3]; 2] = [[1.0, 2.0, 3.0], [4.0, 1.0, 1.0]];
+        let mass = [1.0, 2.0, 3.0, 4.0, 1.0, 1.0].map(|w| w / 12.0);
+        let mut counts = [0u32; 6];
+        for i in 0..200_000 {
+            let mut rng = Rng::new(UVec2::new(i, 1), 0, 6, Stream::Spatial, 0);
+            let mut merged = Reservoir::default();
+            for (s, weights) in STREAMS.iter().enumerate() {
+                let mut stream = Reservoir::default();
+                for (k, &w) in weights.iter().enumerate() {
+                    stream.add(sample((3 * s + k) as u32), w, w, 1.0, rng.next_f32());
+                }
+                let stored = stream.finish(stream.confidence);
+                merged.merge(stored, stream.target, rng.next_f32());
+            }
+            assert!((merged.weight_sum - 12.0).abs() < 1e-4 && merged.confidence == 6.0);
+            counts[merged.sample.light as usize] += 1;
+        }
+        // 5 degrees of freedom, quantile 0.9999.
+        assert!(chi2(&counts, &mass) < 25.74, "chi-square {}", chi2(&counts, &mass));
+    }
+
+    #[test]
+    fn useless_candidates_count_but_never_survive() {
+        let mut reservoir = Reservoir::default();
+        for w in [0.0, -1.0, f32::NAN, f32::INFINITY] {
+            assert!(!reservoir.add(sample(1), 1.0, w, 1.0, 0.0));
+        }
+        assert_eq!((reservoir.confidence, reservoir.weight_sum), (4.0, 0.0));
+        let stored = reservoir.finish(reservoir.confidence);
+        assert_eq!((stored.contribution_weight, stored.confidence), (0.0, 4.0));
+        // W of zero stays out of a merge, whatever its confidence.
+        assert!(!Reservoir::default().merge(stored, 1.0, 0.0));
+        assert!(reservoir.add(sample(2), 3.0, 3.0, 1.0, 0.999));
+    }
+
+    #[test]
+    fn stored_weights_are_finite() {
+        for target in [0.0, 1e-38, 1e-20, 1.0, 1e30] {
+            for weight in [1e-38, 1.0, 1e34] {
+                let mut reservoir = Reservoir::default();
+                reservoir.add(sample(0), target, weight, 1.0, 0.0);
+                assert!(reservoir.finish(1.0).contribution_weight.is_finite(), "{weight} / {target}");
+                assert!(reservoir.finish(0.0).contribution_weight == 0.0);
+            }
+        }
+        assert_eq!(size_of::<StoredReservoir>(), 16);
+    }
+}

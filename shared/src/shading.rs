@@ -1,0 +1,35 @@
+//! What a finished reservoir contributes to its pixel.
+
+use crate::light::LightTable;
+use crate::reservoir::StoredReservoir;
+use crate::shadow::ShadowRay;
+use crate::surface::Surface;
+use crate::target::unshadowed;
+use glam::Vec3;
+
+/// Radiance that reaches the camera if `ray` meets nothing.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Proposal {
+    /// f Le G W, nit, linear RGB.
+    pub radiance: Vec3,
+    pub ray: ShadowRay,
+}
+
+impl Proposal {
+    /// No ray is worth tracing for nothing.
+    pub fn is_dark(&self) -> bool {
+        self.radiance == Vec3::ZERO
+    }
+}
+
+/// f Le G W of the survivor (Bitterli et al. 2020, eq. 6), and the ray that decides over it.
+pub fn propose(surface: &Surface, lights: LightTable<'_>, reservoir: StoredReservoir) -> Proposal {
+    if reservoir.contribution_weight <= 0.0 {
+        return Proposal::default();
+    }
+    let incident = lights.incident(reservoir.sample, surface.position);
+    Proposal {
+        radiance: unshadowed(surface, &incident) * reservoir.contribution_weight,
+        ray: ShadowRay::new(surface, &incident),
+    }
+}

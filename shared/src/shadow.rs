@@ -1,0 +1,26 @@
+//! The one question that needs hardware: does a light sample reach a surface?
+
+use crate::light::Incident;
+use crate::math::offset_ray_origin;
+use crate::surface::Surface;
+use glam::Vec3;
+
+/// A segment to test, from `origin` to `origin + direction` (so t runs from 0 to 1). World space, m.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ShadowRay {
+    pub origin: Vec3,
+    pub direction: Vec3,
+}
+
+impl ShadowRay {
+    /// From `surface` to the sampled point of a light; both ends are moved off the surfaces they lie on.
+    pub fn new(surface: &Surface, incident: &Incident) -> Self {
+        let origin = surface.ray_origin();
+        let end = if incident.normal == Vec3::ZERO {
+            incident.position
+        } else {
+            offset_ray_origin(incident.position, incident.normal, 0.0)
+        };
+        ShadowRay { origin, direction: end - origin }
+    }
+}

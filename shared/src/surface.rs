@@ -1,0 +1,160 @@
+//! The visible surface of a pixel, and how the G-buffer keeps it.
+
+use crate::camera::Camera;
+use crate::geometry::SurfacePoint;
+use crate::material::Reflectance;
+use crate::math::{offset_ray_origin, pack_direction, pack_unorm16, unpack_direction, unpack_unorm16};
+use bytemuck::{Pod, Zeroable};
+use glam::{UVec2, Vec3};
+
+/// Everything that shading needs to know of one point.
+#[derive(Clone, Copy, Debug)]
+pub struct Surface {
+    /// World space, m.
+    pub position: Vec3,
+    /// Distance to the camera, m; 0 where a pixel sees no surface.
+    pub distance: f32,
+    /// Unit direction to the camera.
+    pub wo: Vec3,
+    /// Unit, on the camera's side.
+    pub geometric_normal: Vec3,
+    /// Unit shading normal.
+    pub normal: Vec3,
+    pub reflectance: Reflectance,
+}
+
+/// One pixel of the G-buffer: a [`Surface`] in 32 bytes. All zero: no surface.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
+#[repr(C)]
+pub struct GBufferTexel {
+    /// f32 bits: the position follows from it, the pixel and the camera. 0: no surface.
+    pub distance: u32,
+    /// Error < 1e-4 rad each.
+    pub geometric_normal: u32,
+    pub normal: u32,
+    /// diffuse r, g | diffuse b, f0 r | f0 g, b: error <= 0.5/65535 each.
+    pub reflectance: [u32; 3],
+    /// Error <= 0.5/65535.
+    pub roughness: u32,
+    /// The [`crate::geometry::InstanceGeometry`] that was hit.
+    pub instance: u32,
+}
+
+fn pack2(low: f32, high: f32) -> u32 {
+    pack_unorm16(low) | pack_unorm16(high) << 16
+}
+
+impl GBufferTexel {
+    /// The surface that a camera at `eye` sees at `point`; normals are turned to the camera's side.
+    pub fn new(point: &SurfacePoint, normal: Vec3, reflectance: Reflectance, instance: u32, eye: Vec3) -> Self {
+        let to_eye = eye - point.position;
+        let side = if point.geometric_normal.dot(to_eye) < 0.0 { -1.0 } else { 1.0 };
+        let Reflectance { diffuse, f0, roughness } = reflectance;
+        GBufferTexel {
+            distance: to_eye.length().to_bits(),
+            geometric_normal: pack_direction(point.geometric_normal * side),
+            normal: pack_direction(visible_normal(normal * side, to_eye.normalize())),
+            reflectance: [pack2(diffuse.x, diffuse.y), pack2(diffuse.z, f0.x), pack2(f0.y, f0.z)],
+            roughness: pack_unorm16(roughness),
+            instance,
+        }
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.distance == 0
+    }
+
+    /// Distance to the camera, m.
+    pub fn distance(&self) -> f32 {
+        f32::from_bits(self.distance)
+    }
+
+    /// The shading normal.
+    pub fn normal(&self) -> Vec3 {
+        unpack_direction(self.normal)
+    }
+
+    /// Albedo of the diffuse lobe.
+    pub fn diffuse(&self) -> Vec3 {
+        let [rg, b, _] = self.reflectance;
+        Vec3::new(unpack_unorm16(rg), unpack_unorm16(rg >> 16), unpack_unorm16(b))
+    }
+
+    /// The surface of `pixel` seen by `camera` in an image of `size`.
+    pub fn unpack(&self, camera: &Camera, pixel: UVec2, size: UVec2) -> Surface {
+        let direction = camera.direction(pixel.as_vec2() + 0.5, size);
+        let distance = self.distance();
+        let [_, br, gb] = self.reflectance;
+        Surface {
+            position: camera.position + direction * distance,
+            distance,
+            wo: -direction,
+            geometric_normal: unpack_direction(self.geometric_normal),
+            normal: self.normal(),
+            reflectance: Reflectance {
+                diffuse: self.diffuse(),
+                f0: Vec3::new(unpack_unorm16(br >> 16), unpack_unorm16(gb), unpack_unorm16(gb >> 16)),
+                roughness: unpack_unorm16(self.roughness),
+            },
+        }
+    }
+}
+
+/// Interpolated and mapped normals may point away from the camera at silhouettes, where the BSDF would be black:
+/// such a normal is bent back just into view (|cos| = 0.01).
+fn visible_normal(normal: Vec3, wo: Vec3) -> Vec3 {
+    const LEAST_COS: f32 = 0.01;
+    let cos = normal.dot(wo);
+    if cos >= LEAST_COS { normal } else { (normal + (LEAST_COS - cos) * wo).normalize() }
+}
+
+impl Surface {
+    /// Where a ray that leaves this surface starts.
+    pub fn ray_origin(&self) -> Vec3 {
+        offset_ray_origin(self.position, self.geometric_normal, self.distance)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec2;
+
+    fn point(position: Vec3, normal: Vec3) -> SurfacePoint {
+        SurfacePoint {
+            position,
+            geometric_normal: normal,
+            normal,
+            tangent: Vec3::X,
+            tangent_sign: 1.0,
+            uv: Vec2::ZERO,
+            color: Vec3::ONE,
+        }
+    }
+
+    #[test]
+    fn a_surface_survives_packing() {
+        let size = UVec2::new(640, 360);
+        let camera = Camera::new(Vec3::new(0.5, 1.5, 4.0), Vec3::new(0.1, -0.2, -1.0), Vec3::Y, 0.9, size);
+        for i in 0..2000u32 {
+            let pixel = UVec2::new(i * 7 % 640, i * 13 % 360);
+            let distance = 10f32.powf((i % 13) as f32 * 0.5 - 2.0);
+            let position = camera.position + camera.direction(pixel.as_vec2() + 0.5, size) * distance;
+            let t = i as f32 / 2000.0;
+            let normal = Vec3::new(t - 0.5, 0.3, 0.8 - t).normalize();
+            let reflectance = Reflectance::from_metallic_roughness(Vec3::new(t, 0.01, 1.0 - t), 0.3, t);
+            let texel = GBufferTexel::new(&point(position, normal), normal, reflectance, i, camera.position);
+            let s = texel.unpack(&camera, pixel, size);
+            let ulp = distance.max(camera.position.abs().max_element()) * f32::EPSILON;
+            assert!((s.position - position).abs().max_element() <= 4.0 * ulp, "{} for {position}", s.position);
+            assert!(s.geometric_normal.dot(s.wo) > -1e-3, "the normal is on the camera's side");
+            assert!(s.normal.dot(s.wo) >= 0.0099);
+            assert!((s.reflectance.diffuse - reflectance.diffuse).abs().max_element() < 1e-5);
+            assert!((s.reflectance.f0 - reflectance.f0).abs().max_element() < 1e-5);
+            assert!((s.reflectance.roughness - t).abs() < 1e-5);
+            assert!(!texel.is_empty() && texel.instance == i);
+        }
+        assert!(GBufferTexel::default().is_empty());
+        assert_eq!(size_of::<GBufferTexel>(), 32);
+    }
+}
