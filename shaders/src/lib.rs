@@ -1,1 +1,15 @@
-//! Entry points.
+//! GPU entry points, one file a pass; in the order of a frame: [`gbuffer`], [`initial`], [`temporal`], [`spatial`],
+//! [`shade`], [`tonemap`]. An entry loads, calls `shared`, stores: no arithmetic. Rays are traced here and nowhere else.
+#![cfg_attr(target_arch = "spirv", no_std)]
+// An entry's arguments are its bindings.
+#![allow(clippy::too_many_arguments)]
+
+pub mod gbuffer;
+pub mod hit;
+pub mod initial;
+pub mod reference;
+pub mod shade;
+pub mod spatial;
+pub mod temporal;
+pub mod tonemap;
+pub mod trace;

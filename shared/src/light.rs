@@ -65,6 +65,8 @@ pub struct Incident {
     pub position: Vec3,
     /// Normal of the light there, on the side of the receiver; 0 for lights without a surface.
     pub normal: Vec3,
+    /// Largest number the position was computed from (see [`crate::math::offset_ray_origin`]), m.
+    pub magnitude: f32,
     /// Unit direction from the receiver to the light.
     pub direction: Vec3,
     /// Distance to it, m.
@@ -132,10 +134,12 @@ impl Light {
     pub fn sample_li(&self, square: Vec2, receiver: Vec3) -> Incident {
         let mut position = self.position;
         let mut normal = Vec3::ZERO;
+        let mut magnitude = 0.0;
         if self.kind == kind::TRIANGLE {
             let b = square_to_triangle(square);
             position += b.x * self.edge1 + b.y * self.edge2;
             normal = normalize_or(self.edge1.cross(self.edge2), Vec3::ZERO);
+            magnitude = self.position.abs().max(self.edge1.abs()).max(self.edge2.abs()).max_element();
         }
         let to_light = position - receiver;
         let direction = normalize_or(to_light, Vec3::ZERO);
@@ -150,7 +154,14 @@ impl Light {
         }
         // Two divisions, as d² may under- or overflow where the quotient does not.
         let geometry = safe_ratio(safe_ratio(cos_light, distance), distance);
-        Incident { position, normal, direction, distance, irradiance: finite(self.emission * geometry) }
+        Incident {
+            position,
+            normal,
+            magnitude,
+            direction,
+            distance,
+            irradiance: finite(self.emission * geometry),
+        }
     }
 }
 
@@ -255,7 +266,8 @@ mod tests {
     #[test]
     fn sampled_triangle_gives_lamberts_irradiance() {
         let light = triangle(true);
-        let corners = [light.position, light.position + light.edge1, light.position + light.edge2].map(|v| v.as_dvec3());
+        let corners = [light.position, light.position + light.edge1, light.position + light.edge2]
+            .map(|v| v.as_dvec3());
         let exact: f64 = (0..3)
             .map(|i| {
                 let (a, b) = (corners[i].normalize(), corners[(i + 1) % 3].normalize());
@@ -270,7 +282,8 @@ mod tests {
         for i in 0..n * n {
             let square = Vec2::new((i % n) as f32 + 0.5, (i / n) as f32 + 0.5) / n as f32;
             let incident = light.sample_li(square, Vec3::ZERO);
-            sum += f64::from(incident.irradiance.x * incident.direction.y / light.pdf_li().0) / f64::from(n * n);
+            sum +=
+                f64::from(incident.irradiance.x * incident.direction.y / light.pdf_li().0) / f64::from(n * n);
         }
         assert!((sum / exact - 1.0).abs() < 1e-4, "quadrature {sum}, Lambert {exact}");
     }

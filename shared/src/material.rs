@@ -54,3 +54,33 @@ impl Reflectance {
         }
     }
 }
+
+/// Values of a material's textures at one point; white where it has none. Linear, 0..=1.
+#[derive(Clone, Copy, Debug)]
+pub struct MaterialTexels {
+    pub base_color: Vec3,
+    /// Green: roughness, blue: metallic.
+    pub metallic_roughness: Vec3,
+    pub normal: Vec3,
+    pub emission: Vec3,
+}
+
+impl Default for MaterialTexels {
+    fn default() -> Self {
+        let white = Vec3::ONE;
+        MaterialTexels { base_color: white, metallic_roughness: white, normal: white, emission: white }
+    }
+}
+
+impl Material {
+    /// The reflectance where the textures read `texels` and the vertices have `color`.
+    pub fn reflectance(&self, texels: &MaterialTexels, color: Vec3) -> Reflectance {
+        let base_color = self.base_color * texels.base_color * color;
+        let metallic = self.metallic * texels.metallic_roughness.z;
+        Reflectance::from_metallic_roughness(
+            base_color,
+            metallic,
+            self.roughness * texels.metallic_roughness.y,
+        )
+    }
+}

@@ -33,3 +33,24 @@ pub fn propose(surface: &Surface, lights: LightTable<'_>, reservoir: StoredReser
         ray: ShadowRay::new(surface, &incident),
     }
 }
+
+/// Mean over the reservoirs of a pixel.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Average {
+    sum: Vec3,
+    count: f32,
+}
+
+impl Average {
+    pub fn add(&mut self, proposal: Proposal, visible: bool) {
+        self.count += 1.0;
+        if visible {
+            self.sum += proposal.radiance;
+        }
+    }
+
+    /// Nit, linear RGB.
+    pub fn radiance(&self) -> Vec3 {
+        self.sum / self.count.max(1.0)
+    }
+}

@@ -16,11 +16,7 @@ impl ShadowRay {
     /// From `surface` to the sampled point of a light; both ends are moved off the surfaces they lie on.
     pub fn new(surface: &Surface, incident: &Incident) -> Self {
         let origin = surface.ray_origin();
-        let end = if incident.normal == Vec3::ZERO {
-            incident.position
-        } else {
-            offset_ray_origin(incident.position, incident.normal, 0.0)
-        };
+        let end = offset_ray_origin(incident.position, incident.normal, incident.magnitude);
         ShadowRay { origin, direction: end - origin }
     }
 }

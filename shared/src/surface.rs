@@ -1,8 +1,9 @@
 //! The visible surface of a pixel, and how the G-buffer keeps it.
 
 use crate::camera::Camera;
+use crate::frame::features;
 use crate::geometry::SurfacePoint;
-use crate::material::Reflectance;
+use crate::material::{Material, MaterialTexels, NO_TEXTURE, Reflectance};
 use crate::math::{offset_ray_origin, pack_direction, pack_unorm16, unpack_direction, unpack_unorm16};
 use bytemuck::{Pod, Zeroable};
 use glam::{UVec2, Vec3};
@@ -32,9 +33,9 @@ pub struct GBufferTexel {
     /// Error < 1e-4 rad each.
     pub geometric_normal: u32,
     pub normal: u32,
-    /// diffuse r, g | diffuse b, f0 r | f0 g, b: error <= 0.5/65535 each.
+    /// diffuse r, g | diffuse b, f0 r | f0 g, b: error <= 0.51/65535 each.
     pub reflectance: [u32; 3],
-    /// Error <= 0.5/65535.
+    /// Error <= 0.51/65535.
     pub roughness: u32,
     /// The [`crate::geometry::InstanceGeometry`] that was hit.
     pub instance: u32,
@@ -46,7 +47,13 @@ fn pack2(low: f32, high: f32) -> u32 {
 
 impl GBufferTexel {
     /// The surface that a camera at `eye` sees at `point`; normals are turned to the camera's side.
-    pub fn new(point: &SurfacePoint, normal: Vec3, reflectance: Reflectance, instance: u32, eye: Vec3) -> Self {
+    pub fn new(
+        point: &SurfacePoint,
+        normal: Vec3,
+        reflectance: Reflectance,
+        instance: u32,
+        eye: Vec3,
+    ) -> Self {
         let to_eye = eye - point.position;
         let side = if point.geometric_normal.dot(to_eye) < 0.0 { -1.0 } else { 1.0 };
         let Reflectance { diffuse, f0, roughness } = reflectance;
@@ -100,6 +107,42 @@ impl GBufferTexel {
     }
 }
 
+/// What a primary ray met, with all that was looked up for it.
+#[derive(Clone, Copy, Debug)]
+pub struct PrimaryHit {
+    pub point: SurfacePoint,
+    pub material: Material,
+    pub texels: MaterialTexels,
+    /// [`features`] of the scene.
+    pub features: u32,
+    /// Index of the [`crate::geometry::InstanceGeometry`].
+    pub instance: u32,
+}
+
+impl PrimaryHit {
+    /// The G-buffer's view of it for a camera at `eye` (m).
+    pub fn texel(&self, eye: Vec3) -> GBufferTexel {
+        let mapped = self.features & features::NORMAL_MAPS != 0 && self.material.normal_texture != NO_TEXTURE;
+        let normal = if mapped {
+            self.point.mapped_normal(self.texels.normal, self.material.normal_scale)
+        } else {
+            self.point.normal
+        };
+        let reflectance = self.material.reflectance(&self.texels, self.point.color);
+        GBufferTexel::new(&self.point, normal, reflectance, self.instance, eye)
+    }
+
+    /// Radiance toward `eye` that the surface emits itself, nit; a single-sided one emits from its front only.
+    pub fn emission(&self, eye: Vec3) -> Vec3 {
+        let from_front = self.point.geometric_normal.dot(eye - self.point.position) > 0.0;
+        if from_front || self.material.double_sided != 0 {
+            self.material.emission * self.texels.emission
+        } else {
+            Vec3::ZERO
+        }
+    }
+}
+
 /// Interpolated and mapped normals may point away from the camera at silhouettes, where the BSDF would be black:
 /// such a normal is bent back just into view (|cos| = 0.01).
 fn visible_normal(normal: Vec3, wo: Vec3) -> Vec3 {
@@ -146,7 +189,11 @@ mod tests {
             let texel = GBufferTexel::new(&point(position, normal), normal, reflectance, i, camera.position);
             let s = texel.unpack(&camera, pixel, size);
             let ulp = distance.max(camera.position.abs().max_element()) * f32::EPSILON;
-            assert!((s.position - position).abs().max_element() <= 4.0 * ulp, "{} for {position}", s.position);
+            assert!(
+                (s.position - position).abs().max_element() <= 4.0 * ulp,
+                "{} for {position}",
+                s.position
+            );
             assert!(s.geometric_normal.dot(s.wo) > -1e-3, "the normal is on the camera's side");
             assert!(s.normal.dot(s.wo) >= 0.0099);
             assert!((s.reflectance.diffuse - reflectance.diffuse).abs().max_element() < 1e-5);
