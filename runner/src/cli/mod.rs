@@ -1,0 +1,21 @@
+//! The command line.
+
+pub mod args;
+mod fixtures;
+mod info;
+mod progress;
+mod reference;
+mod render;
+
+use crate::error::Result;
+use args::{Cli, Command};
+
+/// Runs one command.
+pub fn run(cli: Cli) -> Result<()> {
+    match cli.command {
+        Command::Render(args) => render::run(&args),
+        Command::Reference(args) => reference::run(&args),
+        Command::Info(args) => info::run(&args),
+        Command::Fixtures { directory } => fixtures::run(&directory),
+    }
+}

@@ -1,0 +1,11 @@
+//! Progress bars that keep quiet where nobody watches.
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+/// A bar of `length` steps on standard error.
+pub fn bar(length: u64, what: &'static str) -> ProgressBar {
+    let style = ProgressStyle::with_template("{msg} [{bar:40}] {pos}/{len} {elapsed_precise}, {eta} left")
+        .unwrap_or_else(|_| ProgressStyle::default_bar())
+        .progress_chars("=> ");
+    ProgressBar::new(length).with_style(style).with_message(what)
+}

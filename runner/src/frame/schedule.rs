@@ -1,0 +1,163 @@
+//! The frame as a readable list of passes, and which buffer each of them finds behind its roles.
+
+use super::pass::{BufferId, Role, Step};
+use super::passes::{gbuffer, initial, reference, shade, spatial, temporal, tonemap};
+use shared::frame::Settings;
+use shared::interface::PassConstants;
+
+/// Lights that one dispatch of the reference adds: short enough that no driver's watchdog bites.
+const REFERENCE_LIGHTS: u32 = 64;
+
+/// Which of the double- and triple-buffered targets hold what; moves on with each frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Rotation {
+    /// G-buffer of the current frame, 0 or 1; the other is the previous frame's.
+    gbuffer: usize,
+    /// Reservoirs that the previous frame ended with, 0..3.
+    history: usize,
+}
+
+/// What a frame computes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Work {
+    /// ReSTIR DI.
+    Restir(Settings),
+    /// The sum over this many lights.
+    Reference { lights: u32 },
+}
+
+/// The passes of one frame and the rotation that the next frame starts from.
+pub fn schedule(work: &Work, rotation: Rotation) -> (Vec<Step>, Rotation) {
+    let mut frame = Frame { rotation, input: rotation.history, output: rotation.other(0), steps: Vec::new() };
+    frame.push(&gbuffer::PASS, PassConstants::default());
+    match work {
+        Work::Restir(settings) => frame.restir(settings),
+        Work::Reference { lights } => frame.reference(*lights),
+    }
+    frame.push(&tonemap::PASS, PassConstants::default());
+    (frame.steps, Rotation { gbuffer: 1 - rotation.gbuffer, history: frame.output })
+}
+
+impl Rotation {
+    /// The two reservoir buffers that do not hold the history.
+    fn other(self, which: usize) -> usize {
+        (self.history + 1 + which) % 3
+    }
+}
+
+struct Frame {
+    rotation: Rotation,
+    /// Reservoirs the next pass reads / the next pass writes.
+    input: usize,
+    output: usize,
+    steps: Vec<Step>,
+}
+
+impl Frame {
+    fn restir(&mut self, settings: &Settings) {
+        self.push(&initial::PASS, PassConstants::default());
+        if settings.temporal != 0 {
+            self.push(&temporal::PASS, PassConstants::default());
+        }
+        if settings.spatial != 0 {
+            for iteration in 0..settings.spatial_iterations {
+                self.input = self.output;
+                self.output = self.rotation.other(1 - iteration as usize % 2);
+                self.push(&spatial::PASS, PassConstants { iteration, ..Default::default() });
+            }
+        }
+        self.input = self.output;
+        self.push(&shade::PASS, PassConstants::default());
+    }
+
+    fn reference(&mut self, lights: u32) {
+        for first_light in (0..lights).step_by(REFERENCE_LIGHTS as usize) {
+            let light_count = REFERENCE_LIGHTS.min(lights - first_light);
+            self.push(&reference::PASS, PassConstants { first_light, light_count, ..Default::default() });
+        }
+    }
+
+    fn push(&mut self, pass: &'static super::pass::Pass, constants: PassConstants) {
+        let buffers = pass.uses.iter().map(|&(role, _)| self.buffer(role)).collect();
+        self.steps.push(Step { pass, buffers, constants });
+    }
+
+    fn buffer(&self, role: Role) -> BufferId {
+        match role {
+            Role::GBuffer => BufferId::GBuffer(self.rotation.gbuffer),
+            Role::PreviousGBuffer => BufferId::GBuffer(1 - self.rotation.gbuffer),
+            Role::ReservoirsIn => BufferId::Reservoirs(self.input),
+            Role::ReservoirsOut => BufferId::Reservoirs(self.output),
+            Role::ReservoirsHistory => BufferId::Reservoirs(self.rotation.history),
+            Role::Radiance => BufferId::Radiance,
+            Role::Display => BufferId::Display,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frame::pass::{Access, barriers};
+    use std::collections::HashMap;
+
+    /// Follows the data: every buffer holds what its reader expects, however many iterations and whatever is off.
+    #[test]
+    fn every_pass_reads_what_the_pass_before_it_wrote() {
+        for iterations in 1..=4 {
+            for (temporal, spatial) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+                let settings = Settings { temporal, spatial, spatial_iterations: iterations, ..Default::default() };
+                follow(&Work::Restir(settings));
+            }
+        }
+    }
+
+    fn follow(work: &Work) {
+        let mut rotation = Rotation::default();
+        let mut content: HashMap<BufferId, (u32, &str)> = HashMap::new();
+        for frame in 0..7 {
+            let (steps, next) = schedule(work, rotation);
+            let mut last_reservoirs = "";
+            for step in &steps {
+                for (&(role, access), buffer) in step.pass.uses.iter().zip(&step.buffers) {
+                    let found = content.get(buffer).copied();
+                    match role {
+                        Role::GBuffer if access == Access::Read => assert_eq!(found, Some((frame, "gbuffer"))),
+                        Role::PreviousGBuffer if frame > 0 => assert_eq!(found, Some((frame - 1, "gbuffer"))),
+                        Role::ReservoirsIn => assert_eq!(found, Some((frame, last_reservoirs))),
+                        Role::ReservoirsHistory if frame > 0 => {
+                            assert_eq!(found.map(|f| f.0), Some(frame - 1), "history is of the frame before");
+                        }
+                        _ => {}
+                    }
+                }
+                for (&(role, access), buffer) in step.pass.uses.iter().zip(&step.buffers) {
+                    if access != Access::Read {
+                        content.insert(*buffer, (frame, step.pass.stem));
+                        last_reservoirs = if role == Role::ReservoirsOut { step.pass.stem } else { last_reservoirs };
+                    }
+                }
+            }
+            assert_eq!(content[&BufferId::Reservoirs(next.history)], (frame, last_reservoirs));
+            rotation = next;
+        }
+    }
+
+    #[test]
+    fn the_default_frame_reads_like_the_paper() {
+        let (steps, _) = schedule(&Work::Restir(Settings::default()), Rotation::default());
+        let stems: Vec<_> = steps.iter().map(|s| s.pass.stem).collect();
+        assert_eq!(stems, ["gbuffer", "initial", "temporal", "spatial", "spatial", "shade", "tonemap"]);
+        assert!(barriers(&steps).iter().all(|&wait| wait), "each pass needs the one before it");
+    }
+
+    #[test]
+    fn the_reference_covers_each_light_once() {
+        for lights in [0, 1, 63, 64, 65, 500] {
+            let (steps, _) = schedule(&Work::Reference { lights }, Rotation::default());
+            let ranges = steps.iter().filter(|s| s.pass.stem == "reference").map(|s| s.constants);
+            let covered: Vec<u32> = ranges.flat_map(|c| c.first_light..c.first_light + c.light_count).collect();
+            assert_eq!(covered, (0..lights).collect::<Vec<_>>());
+        }
+    }
+}

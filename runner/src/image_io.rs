@@ -1,0 +1,82 @@
+//! Writing pictures: whole or not at all.
+
+use crate::error::{Error, Result};
+use glam::{UVec2, Vec3};
+use image::{ImageFormat, Rgb, Rgb32FImage, RgbaImage};
+use std::io::Cursor;
+use std::path::{Path, PathBuf};
+
+/// A file format a picture can be written in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PictureFormat {
+    /// 8 bits, tone mapped.
+    Png,
+    /// 32-bit float radiance, nit, linear Rec. 709.
+    Exr,
+}
+
+/// The format that `path` ends in.
+pub fn format_of(path: &Path) -> Result<PictureFormat> {
+    match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
+        Some("png") => Ok(PictureFormat::Png),
+        Some("exr") => Ok(PictureFormat::Exr),
+        _ => Err(Error::Usage(format!("{}: pictures are written as .png or .exr", path.display()))),
+    }
+}
+
+/// Checks, before any work is done, that a picture can be written to `path`.
+pub fn check_writable(path: &Path) -> Result<PictureFormat> {
+    let format = format_of(path)?;
+    let directory = path.parent().filter(|d| !d.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    std::fs::create_dir_all(directory)
+        .map_err(|source| Error::File { path: directory.into(), action: "create the folder", source })?;
+    let partial = partial(path);
+    std::fs::write(&partial, []).map_err(|source| Error::File { path: path.into(), action: "write", source })?;
+    std::fs::remove_file(&partial).map_err(|source| Error::File { path: path.into(), action: "write", source })?;
+    Ok(format)
+}
+
+/// Writes display values (RGBA8, red lowest, rows from the top).
+pub fn write_png(path: &Path, size: UVec2, display: &[u32]) -> Result<()> {
+    let bytes = bytemuck::cast_slice(display).to_vec();
+    let picture = RgbaImage::from_raw(size.x, size.y, bytes)
+        .ok_or_else(|| Error::Usage("the picture's size does not match its pixels".into()))?;
+    // Opaque: viewers need no alpha.
+    let picture = image::DynamicImage::ImageRgba8(picture).into_rgb8();
+    let mut encoded = Cursor::new(Vec::new());
+    picture.write_to(&mut encoded, ImageFormat::Png).map_err(|e| encoding(path, e))?;
+    replace(path, encoded.get_ref())
+}
+
+/// Writes radiance (nit, linear RGB, rows from the top).
+pub fn write_exr(path: &Path, size: UVec2, radiance: &[Vec3]) -> Result<()> {
+    let picture = Rgb32FImage::from_fn(size.x, size.y, |x, y| Rgb(radiance[(y * size.x + x) as usize].to_array()));
+    let mut encoded = Cursor::new(Vec::new());
+    picture.write_to(&mut encoded, ImageFormat::OpenExr).map_err(|e| encoding(path, e))?;
+    replace(path, encoded.get_ref())
+}
+
+/// Reads an EXR file back: size and radiance.
+pub fn read_exr(path: &Path) -> Result<(UVec2, Vec<Vec3>)> {
+    let picture = image::open(path).map_err(|e| encoding(path, e))?.into_rgb32f();
+    let size = UVec2::new(picture.width(), picture.height());
+    Ok((size, picture.pixels().map(|p| Vec3::from_array(p.0)).collect()))
+}
+
+fn encoding(path: &Path, error: image::ImageError) -> Error {
+    Error::File { path: path.into(), action: "encode or decode", source: std::io::Error::other(error) }
+}
+
+fn partial(path: &Path) -> PathBuf {
+    let mut name = path.as_os_str().to_owned();
+    name.push(".partial");
+    name.into()
+}
+
+/// Writes beside and renames, so that a reader never sees half a picture.
+pub fn replace(path: &Path, bytes: &[u8]) -> Result<()> {
+    let failed = |source| Error::File { path: path.into(), action: "write", source };
+    let partial = partial(path);
+    std::fs::write(&partial, bytes).map_err(failed)?;
+    std::fs::rename(&partial, path).map_err(failed)
+}

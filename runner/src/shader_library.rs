@@ -1,0 +1,19 @@
+//! The compiled shaders, inside the program: it runs from anywhere.
+
+/// SPIR-V of the entry point `stem`, or none.
+pub fn spirv(stem: &str) -> Option<&'static [u8]> {
+    MODULES.iter().find(|(name, _)| *name == stem).map(|(_, code)| *code)
+}
+
+macro_rules! modules {
+    ($($stem:literal)*) => {
+        /// (entry point, SPIR-V) of every shader.
+        pub const MODULES: &[(&str, &[u8])] =
+            &[$(($stem, include_bytes!(concat!("../../assets/shaders/", $stem, ".spv")))),*];
+    };
+}
+
+modules! {
+    "gbuffer" "initial" "temporal" "spatial" "shade" "tonemap" "reference"
+    "closest_hit" "primary_miss" "shadow_miss"
+}
