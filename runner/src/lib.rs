@@ -1,4 +1,12 @@
 //! Candela's host: scenes, Vulkan, passes, commands.
+
+pub mod cli;
 pub mod error;
+pub mod exposure;
+pub mod frame;
+pub mod gpu_scene;
+pub mod image_io;
+pub mod measure;
 pub mod scene;
+pub mod shader_library;
 pub mod vulkan;

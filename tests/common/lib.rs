@@ -1,1 +1,3 @@
-//! Scenes with known answers.
+//! What the tests share.
+
+pub mod spirv;

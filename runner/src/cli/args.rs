@@ -2,6 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::scene::SceneSource;
+use crate::vulkan::DeviceOptions;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use glam::UVec2;
 use shared::frame::Settings;
@@ -171,6 +172,12 @@ impl SceneArgs {
 
     pub fn light_count(&self) -> usize {
         self.n_lights.or(self.lights).unwrap_or(DEFAULT_LIGHTS)
+    }
+}
+
+impl DeviceArgs {
+    pub fn options(&self) -> DeviceOptions {
+        DeviceOptions { validate: self.validate, device: self.device.clone(), ..DeviceOptions::default() }
     }
 }
 

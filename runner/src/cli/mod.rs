@@ -3,9 +3,11 @@
 pub mod args;
 mod fixtures;
 mod info;
+mod output;
 mod progress;
 mod reference;
 mod render;
+mod view;
 
 use crate::error::Result;
 use args::{Cli, Command};

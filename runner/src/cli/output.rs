@@ -1,0 +1,33 @@
+//! What commands leave behind: the picture, and a verdict of the validation layer.
+
+use super::args::PictureArgs;
+use crate::error::{Error, Result};
+use crate::exposure;
+use crate::image_io::{self, PictureFormat};
+use crate::vulkan::Device;
+use glam::Vec3;
+use shared::tonemap;
+
+/// Writes `radiance` (nit) as the picture that was asked for.
+pub fn write(args: &PictureArgs, format: PictureFormat, radiance: &[Vec3]) -> Result<()> {
+    match format {
+        PictureFormat::Exr => image_io::write_exr(&args.output, args.size, radiance)?,
+        PictureFormat::Png => {
+            let exposure = exposure::automatic(radiance, args.exposure);
+            let display: Vec<u32> =
+                radiance.iter().map(|&c| tonemap::pack_rgba8(tonemap::display(c, exposure))).collect();
+            image_io::write_png(&args.output, args.size, &display)?;
+        }
+    }
+    println!("wrote {}", args.output.display());
+    Ok(())
+}
+
+/// Under `--validate`, a message of the layer is an error.
+pub fn check_validation(device: &Device) -> Result<()> {
+    let messages = device.validation_messages();
+    match messages.first() {
+        None => Ok(()),
+        Some(first) => Err(Error::Usage(format!("{} validation messages, the first: {first}", messages.len()))),
+    }
+}

@@ -1,0 +1,41 @@
+//! `candela reference`: the truth, accumulated in f64.
+
+use super::args::ReferenceArgs;
+use super::{output, progress, view};
+use crate::error::Result;
+use crate::frame::renderer::{FrameOptions, Renderer};
+use crate::frame::schedule::Work;
+use crate::gpu_scene::GpuScene;
+use crate::measure::mean::Mean;
+use crate::vulkan::Device;
+use glam::Vec3;
+
+pub fn run(args: &ReferenceArgs) -> Result<()> {
+    let format = crate::image_io::check_writable(&args.picture.output)?;
+    let scene = view::load_scene(&args.scene)?;
+    let camera = view::camera(&scene, &args.picture)?;
+    let device = Device::new(&args.device.options())?;
+    let gpu_scene = GpuScene::new(&device, &scene)?;
+    let lights = gpu_scene.light_count();
+    let mut renderer = Renderer::new(&device, gpu_scene, args.picture.size, 0)?;
+    let options = FrameOptions {
+        work: Work::Reference { lights },
+        seed: args.picture.seed,
+        exposure: 1.0,
+        background: Vec3::ZERO,
+    };
+    let bar = progress::bar(args.samples.into(), "reference");
+    let mut mean = Mean::new(args.picture.size);
+    for _ in 0..args.samples {
+        renderer.render(camera, &options)?;
+        mean.add(&renderer.radiance()?);
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    output::write(&args.picture, format, &mean.radiance())?;
+    println!("{}: {lights} lights, {} samples each", device.info().name, args.samples);
+    if args.samples > 1 {
+        println!("standard error of the mean: {:.2e} of the mean luminance", mean.relative_standard_error());
+    }
+    output::check_validation(&device)
+}

@@ -1,0 +1,8 @@
+//! A frame: its passes, their order, their buffers, and how they are recorded.
+
+pub mod pass;
+pub mod passes;
+pub mod pipelines;
+pub mod renderer;
+pub mod schedule;
+pub mod targets;

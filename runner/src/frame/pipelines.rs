@@ -1,0 +1,147 @@
+//! One pipeline a pass, specialised for a scene's features.
+
+use super::pass::{Extent, Pass, Rays, Role, Stage};
+use crate::error::{Error, Result};
+use crate::shader_library;
+use crate::vulkan::{
+    Binding, ComputePipeline, Device, HitGroup, Interface, Pipeline, RayPipeline, RayPipelineDesc, SetLayout, Shader,
+};
+use ash::vk;
+use glam::UVec2;
+use shared::frame::Settings;
+use shared::interface::{PassConstants, WORKGROUP, frame_binding, spec_constant};
+use std::collections::HashMap;
+use std::ffi::CString;
+
+/// The pipelines of the passes that some frame asked for.
+pub struct Pipelines {
+    device: Device,
+    scene_layout: SetLayout,
+    frame_layout: SetLayout,
+    features: u32,
+    made: HashMap<&'static str, PassPipeline>,
+}
+
+/// A pass, ready to be recorded.
+pub enum PassPipeline {
+    Compute(ComputePipeline),
+    Rays(RayPipeline),
+}
+
+/// A shader's words and entry point, owned.
+struct Code {
+    spirv: Vec<u32>,
+    entry: CString,
+}
+
+impl Pipelines {
+    /// For scenes whose set 0 has `scene_layout` and which have `features`; nothing is compiled yet.
+    pub fn new(device: &Device, scene_layout: &SetLayout, features: u32) -> Result<Self> {
+        Ok(Pipelines {
+            device: device.clone(),
+            scene_layout: scene_layout.clone(),
+            frame_layout: frame_layout(device)?,
+            features,
+            made: HashMap::new(),
+        })
+    }
+
+    /// Compiles the pipeline of `pass`, if that has not been done.
+    pub fn prepare(&mut self, pass: &'static Pass) -> Result<()> {
+        if !self.made.contains_key(pass.stem) {
+            let pipeline = self.compile(pass)?;
+            self.made.insert(pass.stem, pipeline);
+        }
+        Ok(())
+    }
+
+    /// The pipeline of a prepared pass.
+    pub fn get(&self, pass: &Pass) -> Option<&PassPipeline> {
+        self.made.get(pass.stem)
+    }
+
+    fn compile(&self, pass: &Pass) -> Result<PassPipeline> {
+        let set_layouts = [&self.scene_layout, &self.frame_layout];
+        let spec_constants = [(spec_constant::FEATURES, self.features)];
+        let interface = Interface {
+            set_layouts: &set_layouts,
+            push_constant_size: size_of::<PassConstants>() as u32,
+            spec_constants: &spec_constants,
+        };
+        let code = Code::load(pass.stem)?;
+        let cache = vk::PipelineCache::null();
+        let Stage::RayTracing(rays) = pass.stage else {
+            let pipeline = ComputePipeline::new(&self.device, cache, pass.stem, code.shader(), interface)?;
+            return Ok(PassPipeline::Compute(pipeline));
+        };
+        let misses = [Code::load("primary_miss")?, Code::load("shadow_miss")?];
+        let closest_hit = Code::load("closest_hit")?;
+        // Shadow rays run no hit shader, but their table still needs a record.
+        let hit = HitGroup {
+            closest_hit: (rays == Rays::Primary).then(|| closest_hit.shader()),
+            any_hit: None,
+        };
+        let desc = RayPipelineDesc {
+            name: pass.stem,
+            raygen: code.shader(),
+            miss: &[misses[0].shader(), misses[1].shader()],
+            hit_groups: &[hit],
+            interface,
+        };
+        Ok(PassPipeline::Rays(RayPipeline::new(&self.device, cache, &desc)?))
+    }
+}
+
+impl Code {
+    fn load(stem: &str) -> Result<Self> {
+        let missing = || Error::Usage(format!("no shader '{stem}' in this program"));
+        let bytes = shader_library::spirv(stem).ok_or_else(missing)?;
+        let spirv = bytes.chunks_exact(4).map(|w| u32::from_le_bytes([w[0], w[1], w[2], w[3]])).collect();
+        Ok(Code { spirv, entry: CString::new(stem).map_err(|_| missing())? })
+    }
+
+    fn shader(&self) -> Shader<'_> {
+        Shader { spirv: &self.spirv, entry: &self.entry }
+    }
+}
+
+impl PassPipeline {
+    pub fn pipeline(&self) -> &Pipeline {
+        match self {
+            PassPipeline::Compute(pipeline) => pipeline,
+            PassPipeline::Rays(pipeline) => pipeline,
+        }
+    }
+
+    /// Launches `pass` over a picture of `size`.
+    pub fn launch(&self, cmd: vk::CommandBuffer, pass: &Pass, size: UVec2, settings: &Settings) -> Result<()> {
+        let depth = match pass.extent {
+            Extent::Pixels => 1,
+            Extent::Reservoirs => settings.reservoirs,
+        };
+        match self {
+            PassPipeline::Compute(pipeline) => {
+                pipeline.dispatch(cmd, [size.x.div_ceil(WORKGROUP), size.y.div_ceil(WORKGROUP), depth]);
+                Ok(())
+            }
+            PassPipeline::Rays(pipeline) => pipeline.trace(cmd, [size.x, size.y, depth]),
+        }
+    }
+}
+
+/// The layout of set 1: constants, then a buffer for each role.
+fn frame_layout(device: &Device) -> Result<SetLayout> {
+    let stages = vk::ShaderStageFlags::RAYGEN_KHR | vk::ShaderStageFlags::COMPUTE;
+    const ROLES: [Role; 7] = [
+        Role::GBuffer,
+        Role::PreviousGBuffer,
+        Role::ReservoirsIn,
+        Role::ReservoirsOut,
+        Role::ReservoirsHistory,
+        Role::Radiance,
+        Role::Display,
+    ];
+    let mut bindings = vec![Binding::one(frame_binding::CONSTANTS, vk::DescriptorType::UNIFORM_BUFFER, stages)];
+    bindings.extend(ROLES.map(|role| Binding::one(role.binding(), vk::DescriptorType::STORAGE_BUFFER, stages)));
+    SetLayout::for_push(device, "frame", &bindings)
+}

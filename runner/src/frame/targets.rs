@@ -1,0 +1,51 @@
+//! Buffers of the size of the picture: double-buffered G-buffer, triple-buffered reservoirs, radiance, display.
+
+use super::pass::BufferId;
+use crate::error::Result;
+use crate::vulkan::{Buffer, Device, Memory};
+use ash::vk;
+use glam::{UVec2, Vec3};
+use shared::reservoir::StoredReservoir;
+use shared::surface::GBufferTexel;
+
+/// The targets of one picture size and reservoir count.
+pub struct Targets {
+    gbuffer: [Buffer; 2],
+    reservoirs: [Buffer; 3],
+    radiance: Buffer,
+    display: Buffer,
+}
+
+impl Targets {
+    /// Undefined content. `reservoirs`: N a pixel; 0 where nothing is resampled.
+    pub fn new(device: &Device, size: UVec2, reservoirs: u32) -> Result<Self> {
+        let pixels = u64::from(size.x) * u64::from(size.y);
+        let make = |name: &str, bytes: usize, per_pixel: u64| {
+            let size = pixels * per_pixel * bytes as u64;
+            Buffer::new(device, name, size, vk::BufferUsageFlags::STORAGE_BUFFER, Memory::Device)
+        };
+        let gbuffer = |name| make(name, size_of::<GBufferTexel>(), 1);
+        let reservoir = |name| make(name, size_of::<StoredReservoir>(), reservoirs.into());
+        Ok(Targets {
+            gbuffer: [gbuffer("G-buffer 0")?, gbuffer("G-buffer 1")?],
+            reservoirs: [reservoir("reservoirs 0")?, reservoir("reservoirs 1")?, reservoir("reservoirs 2")?],
+            radiance: make("radiance", size_of::<Vec3>(), 1)?,
+            display: make("display", 4, 1)?,
+        })
+    }
+
+    pub fn get(&self, id: BufferId) -> &Buffer {
+        match id {
+            BufferId::GBuffer(i) => &self.gbuffer[i],
+            BufferId::Reservoirs(i) => &self.reservoirs[i],
+            BufferId::Radiance => &self.radiance,
+            BufferId::Display => &self.display,
+        }
+    }
+
+    /// Device memory, bytes.
+    pub fn bytes(&self) -> u64 {
+        let all = self.gbuffer.iter().chain(&self.reservoirs).chain([&self.radiance, &self.display]);
+        all.map(Buffer::size).sum()
+    }
+}

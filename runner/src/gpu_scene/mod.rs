@@ -1,0 +1,157 @@
+//! A scene on the device: buffers, textures, acceleration structures, and descriptor set 0 that shows them to shaders.
+
+pub mod arrays;
+
+use crate::error::Result;
+use crate::scene::lights::LightTable;
+use crate::scene::{Image as SceneImage, SceneDescription};
+use crate::vulkan::acceleration::BUILD_INPUT;
+use crate::vulkan::{
+    Binding, BlasGeometry, BlasSet, Buffer, DescriptorSet, Device, Image, SetLayout, Tlas, TlasInstance, Uploader,
+};
+use arrays::SceneArrays;
+use ash::vk;
+use glam::Affine3A;
+use shared::interface::scene_binding;
+use std::collections::HashMap;
+use std::sync::Arc;
+
+/// The device's copy of a scene. Its handles stay valid as long as it lives.
+pub struct GpuScene {
+    set: DescriptorSet,
+    light_count: u32,
+    features: u32,
+    bytes: u64,
+    // Kept for the descriptors above.
+    _buffers: Vec<Buffer>,
+    _textures: Vec<Image>,
+    _blas: BlasSet,
+    _tlas: Tlas,
+}
+
+impl GpuScene {
+    /// Uploads `scene` and builds its acceleration structures.
+    pub fn new(device: &Device, scene: &SceneDescription) -> Result<Self> {
+        let lights = LightTable::new(scene);
+        let arrays = SceneArrays::new(scene, &lights)?;
+        let mut upload = Uploader::new(device);
+        let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
+        let positions = upload.buffer("positions", &arrays.positions, storage | BUILD_INPUT)?;
+        let indices = upload.buffer("indices", &arrays.indices, storage | BUILD_INPUT)?;
+        let buffers = vec![
+            (scene_binding::INSTANCES, upload.buffer("instances", &arrays.instances, storage)?),
+            (scene_binding::POSITIONS, positions),
+            (scene_binding::ATTRIBUTES, upload.buffer("vertex attributes", &arrays.attributes, storage)?),
+            (scene_binding::INDICES, indices),
+            (scene_binding::MATERIALS, upload.buffer("materials", &arrays.materials, storage)?),
+            (scene_binding::LIGHTS, upload.buffer("lights", &lights.lights, storage)?),
+            (scene_binding::ALIAS, upload.buffer("alias table", &lights.alias, storage)?),
+        ];
+        let (textures, views) = upload_textures(device, &mut upload, scene)?;
+        upload.finish()?;
+
+        let blas = BlasSet::build(device, &geometries(&arrays, &buffers[1].1, &buffers[3].1))?;
+        let tlas = Tlas::build(device, &blas, &tlas_instances(scene, &arrays))?;
+        let set = DescriptorSet::new(device, "scene", &set_layout(device)?, views.len() as u32)?;
+        set.bind_tlas(scene_binding::TLAS, &tlas);
+        for (binding, buffer) in &buffers {
+            set.bind_storage_buffer(*binding, buffer);
+        }
+        set.bind_textures(scene_binding::TEXTURES, &views);
+        let buffers: Vec<Buffer> = buffers.into_iter().map(|(_, buffer)| buffer).collect();
+        let bytes = buffers.iter().map(Buffer::size).sum::<u64>() + blas.bytes() + tlas.bytes();
+        Ok(GpuScene {
+            set,
+            light_count: lights.lights.len() as u32,
+            features: arrays.features,
+            bytes,
+            _buffers: buffers,
+            _textures: textures,
+            _blas: blas,
+            _tlas: tlas,
+        })
+    }
+
+    pub fn set(&self) -> &DescriptorSet {
+        &self.set
+    }
+
+    pub fn light_count(&self) -> u32 {
+        self.light_count
+    }
+
+    /// [`shared::frame::features`] of the scene.
+    pub fn features(&self) -> u32 {
+        self.features
+    }
+
+    /// Device memory of geometry, lights and acceleration structures (without textures), bytes.
+    pub fn bytes(&self) -> u64 {
+        self.bytes
+    }
+}
+
+/// The layout of set 0. Textures come last, as many as a scene has.
+fn set_layout(device: &Device) -> Result<SetLayout> {
+    use vk::ShaderStageFlags as Stage;
+    let stages = Stage::RAYGEN_KHR | Stage::COMPUTE;
+    let mut bindings =
+        vec![Binding::one(scene_binding::TLAS, vk::DescriptorType::ACCELERATION_STRUCTURE_KHR, Stage::RAYGEN_KHR)];
+    for binding in scene_binding::INSTANCES..scene_binding::TEXTURES {
+        bindings.push(Binding::one(binding, vk::DescriptorType::STORAGE_BUFFER, stages));
+    }
+    bindings.push(Binding::textures(scene_binding::TEXTURES, device.limits().max_textures, Stage::RAYGEN_KHR));
+    SetLayout::new(device, "scene", &bindings)
+}
+
+/// One BLAS a mesh, one geometry a primitive.
+fn geometries(arrays: &SceneArrays, positions: &Buffer, indices: &Buffer) -> Vec<Vec<BlasGeometry>> {
+    let geometry = |range: &arrays::PrimitiveRange| BlasGeometry {
+        vertices: positions.address() + 12 * u64::from(range.first_vertex),
+        vertex_count: range.vertex_count,
+        indices: indices.address() + 4 * u64::from(range.first_index),
+        triangle_count: range.triangle_count,
+        opaque: true,
+    };
+    arrays.meshes.iter().map(|mesh| mesh.iter().map(geometry).collect()).collect()
+}
+
+fn tlas_instances(scene: &SceneDescription, arrays: &SceneArrays) -> Vec<TlasInstance> {
+    let place = |(instance, &custom_index): (&crate::scene::Instance, &u32)| TlasInstance {
+        transform: rows(&instance.transform),
+        custom_index,
+        mask: 0xff,
+        blas: instance.mesh,
+        flags: vk::GeometryInstanceFlagsKHR::TRIANGLE_FACING_CULL_DISABLE,
+    };
+    scene.instances.iter().zip(&arrays.custom_indices).map(place).collect()
+}
+
+/// The first three rows of a transform's matrix.
+fn rows(transform: &Affine3A) -> [f32; 12] {
+    let m = glam::Mat4::from(*transform).transpose().to_cols_array();
+    std::array::from_fn(|i| m[i])
+}
+
+type View = (vk::ImageView, vk::Sampler);
+
+/// One device image for each way an image is read (sRGB or linear), one view and sampler a texture.
+fn upload_textures(device: &Device, upload: &mut Uploader, scene: &SceneDescription) -> Result<(Vec<Image>, Vec<View>)> {
+    let mut images = Vec::new();
+    let mut known: HashMap<(*const SceneImage, bool), usize> = HashMap::new();
+    let mut views = Vec::with_capacity(scene.textures.len());
+    for texture in &scene.textures {
+        let key = (Arc::as_ptr(&texture.image), texture.srgb);
+        let index = match known.get(&key) {
+            Some(&index) => index,
+            None => {
+                let image = &texture.image;
+                images.push(upload.texture(&image.name, image.width, image.height, texture.srgb, &image.texels)?);
+                known.insert(key, images.len() - 1);
+                images.len() - 1
+            }
+        };
+        views.push((images[index].view(), device.sampler(texture.wrap, texture.linear_filter)?));
+    }
+    Ok((images, views))
+}

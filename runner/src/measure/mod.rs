@@ -1,0 +1,4 @@
+//! Numbers about pictures and frames.
+
+pub mod mean;
+pub mod times;
