@@ -73,7 +73,9 @@ fn check_position_accessors(root: &gltf::json::Root) -> Reason<()> {
                 && index.value() >= root.accessors.len()
             {
                 let (index, count) = (index.value(), root.accessors.len());
-                return Err(format!("meshes[{m}].primitives[{p}]: accessor {index} of {count} does not exist"));
+                return Err(format!(
+                    "meshes[{m}].primitives[{p}]: accessor {index} of {count} does not exist"
+                ));
             }
         }
     }
@@ -97,7 +99,9 @@ fn read_buffers(document: &Document, base: &Path, mut blob: Option<Vec<u8>>) -> 
     let mut buffers = Vec::new();
     for buffer in document.buffers() {
         let (data, source) = match buffer.source() {
-            gltf::buffer::Source::Bin => (blob.take().ok_or("no uri, and no binary chunk left".to_owned()), String::new()),
+            gltf::buffer::Source::Bin => {
+                (blob.take().ok_or("no uri, and no binary chunk left".to_owned()), String::new())
+            }
             gltf::buffer::Source::Uri(uri) => (uri::read(uri, base), format!(" ('{}')", uri::label(uri))),
         };
         let index = buffer.index();

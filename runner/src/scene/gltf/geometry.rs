@@ -4,10 +4,10 @@ use super::materials::UvMapping;
 use super::warnings::Warnings;
 use super::{Reason, accessors, tangents};
 use crate::scene::Primitive;
+use glam::{Vec2, Vec3, Vec4};
 use gltf::accessor::DataType::{F32, U8, U16, U32};
 use gltf::accessor::Dimensions;
 use gltf::mesh::{Mode, Semantic};
-use glam::{Vec2, Vec3, Vec4};
 use shared::math::normalize_or;
 
 /// What a material asks of the primitives that wear it.
@@ -168,9 +168,7 @@ fn triangles(mode: Mode, corners: &[u32]) -> Vec<u32> {
             .enumerate()
             .flat_map(|(i, c)| if i % 2 == 0 { [c[0], c[1], c[2]] } else { [c[0], c[2], c[1]] })
             .collect(),
-        Mode::TriangleFan => {
-            corners.windows(2).skip(1).flat_map(|c| [c[0], c[1], corners[0]]).collect()
-        }
+        Mode::TriangleFan => corners.windows(2).skip(1).flat_map(|c| [c[0], c[1], corners[0]]).collect(),
         _ => corners[..corners.len() / 3 * 3].to_vec(),
     }
 }
@@ -194,7 +192,8 @@ fn flatten(primitive: &mut Primitive) {
     let order = std::mem::take(&mut primitive.indices);
     gather(primitive, &order);
     primitive.indices = (0..order.len() as u32).collect();
-    primitive.normals = primitive.positions.chunks_exact(3).flat_map(|t| [face_normal([t[0], t[1], t[2]]); 3]).collect();
+    primitive.normals =
+        primitive.positions.chunks_exact(3).flat_map(|t| [face_normal([t[0], t[1], t[2]]); 3]).collect();
 }
 
 /// Unit normal of the front, counter-clockwise; computed in f64 as small triangles underflow f32.

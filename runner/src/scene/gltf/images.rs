@@ -44,14 +44,24 @@ pub fn load(document: &Document, used: &BTreeSet<usize>, base: &Path, buffers: &
     images.into_inner().unwrap_or_default()
 }
 
-fn load_one(document: &Document, source: &gltf::Image, base: &Path, buffers: &[Vec<u8>]) -> Result<Image, Fault> {
+fn load_one(
+    document: &Document,
+    source: &gltf::Image,
+    base: &Path,
+    buffers: &[Vec<u8>],
+) -> Result<Image, Fault> {
     let (bytes, file) = read(document, source, base, buffers).map_err(Fault::Missing)?;
     let name = source.name().filter(|name| !name.is_empty()).map(str::to_owned).unwrap_or(file);
     decode(name, &bytes)
 }
 
 /// The encoded bytes, and what to call them.
-fn read(document: &Document, source: &gltf::Image, base: &Path, buffers: &[Vec<u8>]) -> Reason<(Vec<u8>, String)> {
+fn read(
+    document: &Document,
+    source: &gltf::Image,
+    base: &Path,
+    buffers: &[Vec<u8>],
+) -> Reason<(Vec<u8>, String)> {
     // Not by `source.source()`: it takes for granted that one of the two is there.
     let json = &document.as_json().images[source.index()];
     if let Some(uri) = &json.uri {
@@ -64,7 +74,8 @@ fn read(document: &Document, source: &gltf::Image, base: &Path, buffers: &[Vec<u
 
 /// Decodes a file of any format that the image crate was built with; the content decides, not the name.
 fn decode(name: String, bytes: &[u8]) -> Result<Image, Fault> {
-    let missing = |error: &dyn std::fmt::Display| Fault::Missing(one_line(&format!("can't decode it: {error}")));
+    let missing =
+        |error: &dyn std::fmt::Display| Fault::Missing(one_line(&format!("can't decode it: {error}")));
     let reader = || ImageReader::new(Cursor::new(bytes)).with_guessed_format();
     let (width, height) = reader().map_err(|e| missing(&e))?.into_dimensions().map_err(|e| missing(&e))?;
     if width.max(height) > MAX_SIDE {
@@ -91,7 +102,8 @@ mod tests {
     fn png(width: u32, height: u32, texels: &[u8]) -> Vec<u8> {
         let mut bytes = Cursor::new(Vec::new());
         let format = image::ImageFormat::Png;
-        image::write_buffer_with_format(&mut bytes, texels, width, height, image::ColorType::Rgb8, format).unwrap();
+        image::write_buffer_with_format(&mut bytes, texels, width, height, image::ColorType::Rgb8, format)
+            .unwrap();
         bytes.into_inner()
     }
 

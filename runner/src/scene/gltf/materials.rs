@@ -68,7 +68,11 @@ struct References<'a> {
 
 impl<'a> References<'a> {
     fn of(material: &gltf::Material<'a>) -> Self {
-        let info = |info: gltf::texture::Info<'a>, role| Reference { uv: mapping(&info), texture: info.texture(), role };
+        let info = |info: gltf::texture::Info<'a>, role| Reference {
+            uv: mapping(&info),
+            texture: info.texture(),
+            role,
+        };
         let mut references = References::default();
         if let Some(specular) = material.pbr_specular_glossiness() {
             references.base_color = specular.diffuse_texture().map(|t| info(t, Role::Color));
@@ -110,7 +114,9 @@ fn normal_mapping(normal: &gltf::material::NormalTexture) -> UvMapping {
     let mut uv = UvMapping { set: normal.tex_coord(), ..UvMapping::default() };
     if let Some(transform) = normal.extension_value("KHR_texture_transform") {
         let number = |value: &serde_json::Value| value.as_f64().map(|x| x as f32);
-        let pair = |name: &str| Some(Vec2::new(number(transform.get(name)?.get(0)?)?, number(transform.get(name)?.get(1)?)?));
+        let pair = |name: &str| {
+            Some(Vec2::new(number(transform.get(name)?.get(0)?)?, number(transform.get(name)?.get(1)?)?))
+        };
         uv.offset = pair("offset").unwrap_or(uv.offset);
         uv.scale = pair("scale").unwrap_or(uv.scale);
         uv.rotation = transform.get("rotation").and_then(number).unwrap_or(uv.rotation);
@@ -163,7 +169,9 @@ impl Materials {
             Some(i) => {
                 let label = label("material", i, source.name());
                 let references = References::of(source);
-                let material = self.convert(source, &references, &label, warnings).map_err(|r| format!("{label}: {r}"))?;
+                let material = self
+                    .convert(source, &references, &label, warnings)
+                    .map_err(|r| format!("{label}: {r}"))?;
                 let uv = references.iter().next().map(|r| r.uv).unwrap_or_default();
                 if references.iter().any(|r| r.uv != uv) {
                     let text = "textures with different coordinates: all use those of the base color";
@@ -233,7 +241,13 @@ impl Materials {
     }
 
     /// The image, or one texel in its place: white, or a normal that changes nothing.
-    fn image(&self, source: &gltf::Image, role: Role, material: &str, warnings: &mut Warnings) -> Reason<Arc<Image>> {
+    fn image(
+        &self,
+        source: &gltf::Image,
+        role: Role,
+        material: &str,
+        warnings: &mut Warnings,
+    ) -> Reason<Arc<Image>> {
         let name = label("image", source.index(), source.name());
         let reason = match self.images.get(&source.index()) {
             Some(Ok(image)) => return Ok(image.clone()),
@@ -258,12 +272,20 @@ fn wrap(mode: WrappingMode) -> Wrap {
     }
 }
 
-fn warn_of_approximations(source: &gltf::Material, references: &References, label: &str, warnings: &mut Warnings) {
+fn warn_of_approximations(
+    source: &gltf::Material,
+    references: &References,
+    label: &str,
+    warnings: &mut Warnings,
+) {
     if source.alpha_mode() != AlphaMode::Opaque {
         warnings.add("alpha modes MASK and BLEND are drawn opaque", label);
     }
     if source.pbr_specular_glossiness().is_some() {
-        warnings.add("specular-glossiness is approximated: diffuse color, no metal, glossiness without its texture", label);
+        warnings.add(
+            "specular-glossiness is approximated: diffuse color, no metal, glossiness without its texture",
+            label,
+        );
     }
     if references.emissive.is_some() {
         warnings.add("an emissive texture: as a light, each triangle emits the texture's average", label);

@@ -29,9 +29,11 @@ type Reason<T> = std::result::Result<T, String>;
 /// Loads the default scene of a .gltf or .glb file. What it has and can't be drawn yet is in the warnings.
 /// Errors, one line each: [`Error::File`] if `path` can't be read, [`Error::Scene`] for everything that is wrong in it.
 pub fn load(path: &Path) -> Result<SceneDescription> {
-    let bytes = uri::read_file(path).map_err(|source| Error::File { path: path.into(), action: "read", source })?;
+    let bytes =
+        uri::read_file(path).map_err(|source| Error::File { path: path.into(), action: "read", source })?;
     let base = path.parent().unwrap_or(Path::new(""));
-    let mut scene = scene_of(&bytes, base).map_err(|reason| Error::Scene { path: path.into(), reason: one_line(&reason) })?;
+    let mut scene = scene_of(&bytes, base)
+        .map_err(|reason| Error::Scene { path: path.into(), reason: one_line(&reason) })?;
     scene.name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     Ok(scene)
 }
@@ -118,7 +120,13 @@ impl Loader<'_> {
 
     fn finish(mut self) -> Reason<SceneDescription> {
         if self.scene.instances.is_empty() {
-            let hint = self.warnings.into_lines().into_iter().next().map(|line| format!(" ({line})")).unwrap_or_default();
+            let hint = self
+                .warnings
+                .into_lines()
+                .into_iter()
+                .next()
+                .map(|line| format!(" ({line})"))
+                .unwrap_or_default();
             return Err(format!("no triangles in its scene{hint}"));
         }
         let bounds = self.scene.bounds();

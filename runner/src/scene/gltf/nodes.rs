@@ -19,7 +19,8 @@ pub struct Placed<'a> {
 /// The nodes of the default scene (or the first), parents before their children. Composed in f64, so that deep
 /// hierarchies lose nothing. Errors: no scene, a node that is reached twice, a matrix that is no finite affine one.
 pub fn place(document: &Document) -> Reason<Vec<Placed<'_>>> {
-    let scene = document.default_scene().or_else(|| document.scenes().next()).ok_or("the file has no scene")?;
+    let scene =
+        document.default_scene().or_else(|| document.scenes().next()).ok_or("the file has no scene")?;
     let mut reached = vec![false; document.nodes().len()];
     let mut placed = Vec::new();
     // An own stack: a file may nest its nodes deeper than the program's stack is. Reversed, as the last comes first.
@@ -114,7 +115,10 @@ impl Placed<'_> {
             return Ok(None);
         }
         if light.range().is_some() {
-            warnings.add("the range of a light is ignored: it falls off with the square of the distance", &self.label);
+            warnings.add(
+                "the range of a light is ignored: it falls off with the square of the distance",
+                &self.label,
+            );
         }
         let intensity = Vec3::from(light.color()) * light.intensity();
         if !(intensity.is_finite() && intensity.min_element() >= 0.0) {

@@ -94,6 +94,8 @@ mod tests {
         }
         assert!(read("data:text/plain,Man", Path::new("")).unwrap_err().contains("must be base64"));
         assert!(read("data:;base64,T!", Path::new("")).unwrap_err().contains("broken base64"));
-        assert!(read("https://example.org/a.bin", Path::new("")).unwrap_err().contains("https://example.org"));
+        assert!(
+            read("https://example.org/a.bin", Path::new("")).unwrap_err().contains("https://example.org")
+        );
     }
 }
