@@ -16,12 +16,16 @@ mod warnings;
 
 use super::{Instance, Mesh, SceneDescription};
 use crate::error::{Error, Result};
+use glam::Vec3;
 use gltf::Document;
 use materials::Materials;
 use nodes::Placed;
 use std::collections::HashMap;
 use std::path::Path;
 use warnings::Warnings;
+
+/// m; squares of distances and areas are far from the end of f32.
+const MAX_COORDINATE: f32 = 1e15;
 
 /// A result inside the loader: its error is the reason alone, [`load`] adds the file.
 type Reason<T> = std::result::Result<T, String>;
@@ -129,15 +133,24 @@ impl Loader<'_> {
                 .unwrap_or_default();
             return Err(format!("no triangles in its scene{hint}"));
         }
-        let bounds = self.scene.bounds();
-        if !(bounds.min.is_finite() && bounds.max.is_finite() && bounds.extent().is_finite()) {
-            return Err("its triangles reach beyond the range of 32-bit floats; scale the scene down".into());
+        if !in_range(&self.scene) {
+            return Err(format!("its scene reaches beyond {MAX_COORDINATE:e} m; scale it down"));
         }
         self.scene.materials = self.materials.materials;
         self.scene.textures = self.materials.textures;
         self.scene.warnings = self.warnings.into_lines();
         Ok(self.scene)
     }
+}
+
+/// All triangles and lights are nearer than [`MAX_COORDINATE`]; false for NaN too, which large transforms can make.
+fn in_range(scene: &SceneDescription) -> bool {
+    let near = |p: Vec3| p.abs().cmple(Vec3::splat(MAX_COORDINATE)).all();
+    let instance_is_near = |instance: &Instance| {
+        let mut positions = scene.meshes[instance.mesh].primitives.iter().flat_map(|p| &p.positions);
+        positions.all(|&p| near(instance.transform.transform_point3(p)))
+    };
+    scene.instances.iter().all(instance_is_near) && scene.lights.iter().all(|light| near(light.position))
 }
 
 /// `node 3 'Lamp'`

@@ -7,7 +7,6 @@ mod materials;
 
 use super::*;
 use crate::scene::Primitive;
-use glam::Vec3;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
