@@ -1,1 +1,290 @@
-//! (to come)
+//! All lights of a scene as the GPU reads them, and lights to add to a scene that has too few.
+
+use super::{Image, Instance, PointLight, Primitive, SceneDescription};
+use glam::{UVec2, Vec3};
+use shared::alias_table::AliasEntry;
+use shared::light::{self, Light};
+use shared::math::luminance;
+use shared::rng::{Rng, Stream};
+use std::collections::HashMap;
+use std::f32::consts::PI;
+use std::sync::Arc;
+
+/// The lights of a scene, and the table that draws them by their power.
+#[derive(Clone, Debug, Default)]
+pub struct LightTable {
+    /// Point lights in their order, then the triangles of each emissive primitive of each instance.
+    pub lights: Vec<Light>,
+    /// Empty if no light has power.
+    pub alias: Vec<AliasEntry>,
+    /// `[instance][primitive]`: the light of that primitive's first triangle, if its material emits. The lights of
+    /// its other triangles follow in their order, one each (those without an area have power 0).
+    pub first_light: Vec<Vec<Option<u32>>>,
+}
+
+impl LightTable {
+    /// Emissive textures count with the average of their texels, so the light of each triangle is uniform.
+    pub fn new(scene: &SceneDescription) -> Self {
+        let emission = emission_of_materials(scene);
+        let mut lights: Vec<Light> =
+            scene.lights.iter().map(|l| Light::point(l.position, l.intensity)).collect();
+        let mut first_light = Vec::new();
+        for instance in &scene.instances {
+            let first_of_primitive = |primitive: &Primitive| {
+                let radiance = emission[primitive.material];
+                (radiance != Vec3::ZERO).then(|| {
+                    let first = lights.len() as u32;
+                    let double_sided = scene.materials[primitive.material].double_sided;
+                    lights.extend(triangle_lights(instance, primitive, radiance, double_sided));
+                    first
+                })
+            };
+            first_light.push(scene.meshes[instance.mesh].primitives.iter().map(first_of_primitive).collect());
+        }
+        let alias = light::build_alias_table(&lights);
+        LightTable { lights, alias, first_light }
+    }
+}
+
+fn triangle_lights(
+    instance: &Instance,
+    primitive: &Primitive,
+    radiance: Vec3,
+    double_sided: bool,
+) -> impl Iterator<Item = Light> {
+    let mirrored = instance.transform.matrix3.determinant() < 0.0;
+    primitive.indices.chunks_exact(3).map(move |t| {
+        let [a, b, c] =
+            [t[0], t[1], t[2]].map(|i| instance.transform.transform_point3(primitive.positions[i as usize]));
+        // A mirror turns the winding, but the outside stays outside.
+        let vertices = if mirrored { [a, c, b] } else { [a, b, c] };
+        Light::triangle(vertices, radiance, double_sided)
+    })
+}
+
+/// Radiance of each material, nit: factor x average of the texture.
+fn emission_of_materials(scene: &SceneDescription) -> Vec<Vec3> {
+    let mut averages: HashMap<(*const Image, bool), Vec3> = HashMap::new();
+    let mut emission = Vec::new();
+    for material in &scene.materials {
+        let texture = material.emissive_texture.map(|index| &scene.textures[index]);
+        emission.push(match texture {
+            Some(texture) if material.emission != Vec3::ZERO => {
+                let key = (Arc::as_ptr(&texture.image), texture.srgb);
+                material.emission
+                    * *averages.entry(key).or_insert_with(|| average(&texture.image, texture.srgb))
+            }
+            _ => material.emission,
+        });
+    }
+    emission
+}
+
+/// Mean linear RGB of all texels.
+fn average(image: &Image, srgb: bool) -> Vec3 {
+    let mut counts = [[0u64; 256]; 3];
+    for texel in image.texels.chunks_exact(4) {
+        for (counts, &value) in counts.iter_mut().zip(texel) {
+            counts[usize::from(value)] += 1;
+        }
+    }
+    let decode = |value: usize| {
+        let encoded = value as f64 / 255.0;
+        if srgb { srgb_to_linear(encoded) } else { encoded }
+    };
+    let texels = (image.texels.len() / 4).max(1) as f64;
+    let mean = counts.map(|counts| (0..256).map(|v| counts[v] as f64 * decode(v)).sum::<f64>() / texels);
+    Vec3::from(mean.map(|x| x as f32))
+}
+
+/// IEC 61966-2-1.
+fn srgb_to_linear(encoded: f64) -> f64 {
+    if encoded <= 0.04045 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
+}
+
+/// Mean illuminance that [`scatter`] aims at, lx: a well-lit office.
+const SCATTERED_ILLUMINANCE: f32 = 500.0;
+
+/// Adds `count` equally strong point lights of random hue, uniformly in the scene's bounds (shrunk by 1 % on each
+/// side, so that none lies in a wall). The same seed gives the same lights.
+///
+/// Together they emit Φ = E A, with E = 500 lx and A the surface area of the bounds: if all of the flux
+/// met that surface, its mean illuminance would be E, whatever the scene's size and the number of lights. Each
+/// light has the luminous intensity Φ / (4π count).
+pub fn scatter(scene: &mut SceneDescription, count: usize, seed: u64) {
+    let bounds = scene.bounds();
+    let extent = bounds.extent();
+    if count == 0 || extent.min_element() < 0.0 {
+        return;
+    }
+    let area = 2.0 * (extent.x * extent.y + extent.y * extent.z + extent.z * extent.x);
+    let intensity = SCATTERED_ILLUMINANCE * area / (4.0 * PI * count as f32);
+    for i in 0..count as u64 {
+        // No pass draws from this lane.
+        let place = UVec2::new(i as u32, (i >> 32) as u32);
+        let mut rng = Rng::new(place, (seed >> 32) as u32, seed as u32, Stream::Initial, u32::MAX);
+        let unit = Vec3::new(rng.next_f32(), rng.next_f32(), rng.next_f32());
+        let color = moderate_color(rng.next_f32());
+        let position = bounds.min + extent * (0.01 + 0.98 * unit);
+        scene.lights.push(PointLight { position, intensity: color * intensity });
+    }
+}
+
+/// Linear RGB of luminance 1: the fully saturated color of `hue` (0..1, once around), mixed half and half with white.
+fn moderate_color(hue: f32) -> Vec3 {
+    let channel = |shift: f32| ((((hue + shift).fract() * 6.0) - 3.0).abs() - 1.0).clamp(0.0, 1.0);
+    let color = Vec3::new(channel(0.0), channel(2.0 / 3.0), channel(1.0 / 3.0)).lerp(Vec3::ONE, 0.5);
+    color / luminance(color)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Material, Mesh, Texture, Wrap};
+    use glam::{Affine3A, Vec2};
+    use shared::light::kind;
+
+    /// A box of 2 x 4 x 6 m by its diagonal triangle, and one light triangle of 2 m² in the xy plane that faces +z.
+    fn scene() -> SceneDescription {
+        let triangles = |positions: Vec<Vec3>, material| Primitive {
+            material,
+            indices: (0..positions.len() as u32).collect(),
+            normals: vec![Vec3::Z; positions.len()],
+            positions,
+            ..Primitive::default()
+        };
+        let wall = triangles(vec![Vec3::ZERO, Vec3::new(2.0, 4.0, 0.0), Vec3::new(0.0, 4.0, 6.0)], 0);
+        let corners = [Vec3::ZERO, Vec3::X * 2.0, Vec3::Y * 2.0];
+        // The second one has no area.
+        let glow = triangles([corners, [Vec3::ZERO, Vec3::X, Vec3::X * 2.0], corners].concat(), 1);
+        let glowing = Material { emission: Vec3::new(1.0, 2.0, 3.0), ..Material::default() };
+        SceneDescription {
+            meshes: vec![
+                Mesh { name: "wall".into(), primitives: vec![wall.clone()] },
+                Mesh { name: "glow".into(), primitives: vec![wall, glow.clone(), glow] },
+            ],
+            instances: [(0, Vec3::ONE), (1, Vec3::splat(0.5)), (1, Vec3::new(-0.5, 0.5, 0.5))]
+                .map(|(mesh, scale)| Instance {
+                    name: String::new(),
+                    mesh,
+                    transform: Affine3A::from_scale(scale),
+                })
+                .to_vec(),
+            materials: vec![Material::default(), glowing],
+            lights: vec![PointLight { position: Vec3::Y, intensity: Vec3::splat(7.0) }],
+            ..SceneDescription::default()
+        }
+    }
+
+    #[test]
+    fn lights_come_in_order() {
+        let table = LightTable::new(&scene());
+        assert_eq!(table.lights.len(), 1 + 2 * 2 * 3);
+        assert_eq!(table.lights[0].kind, kind::POINT);
+        assert!(table.lights[1..].iter().all(|light| light.kind == kind::TRIANGLE));
+        let expected = [vec![None], vec![None, Some(1), Some(4)], vec![None, Some(7), Some(10)]];
+        assert_eq!(table.first_light, expected);
+    }
+
+    #[test]
+    fn power_is_that_of_lambertian_triangles() {
+        let table = LightTable::new(&scene());
+        assert!((table.lights[0].power - 4.0 * PI * 7.0).abs() < 1e-4);
+        // 2 m² at half the scale: 0.5 m².
+        let power = PI * 0.5 * (0.2126 + 2.0 * 0.7152 + 3.0 * 0.0722);
+        for (i, light) in table.lights.iter().enumerate().skip(1) {
+            let expected = if i % 3 == 2 { 0.0 } else { power };
+            assert!((light.power - expected).abs() < 1e-5, "light {i}: {} lm", light.power);
+        }
+        // Those without power are never drawn.
+        assert_eq!((table.alias[2].pmf, table.alias[1].pmf > 0.0), (0.0, true));
+    }
+
+    #[test]
+    fn both_sides_emit_twice_the_power() {
+        let mut scene = scene();
+        let single = LightTable::new(&scene).lights[1].power;
+        scene.materials[1].double_sided = true;
+        assert!((LightTable::new(&scene).lights[1].power - 2.0 * single).abs() < 1e-5);
+    }
+
+    /// The triangle faces +z; a mirror along x must not turn it, a mirror along z must.
+    #[test]
+    fn mirrors_keep_the_emitting_side_outward() {
+        let mut scene = scene();
+        for (scale, side) in
+            [(Vec3::new(-1.0, 1.0, 1.0), 1.0), (Vec3::new(1.0, 1.0, -1.0), -1.0), (Vec3::ONE, 1.0)]
+        {
+            scene.instances[1].transform = Affine3A::from_scale(scale);
+            let light = LightTable::new(&scene).lights[1];
+            let irradiance = |z: f32| light.sample_li(Vec2::splat(0.5), Vec3::new(0.0, 0.0, z)).irradiance.x;
+            assert!(irradiance(side) > 0.0 && irradiance(-side) == 0.0, "scale {scale}");
+        }
+    }
+
+    #[test]
+    fn textures_count_with_their_average() {
+        let mut scene = scene();
+        // Half white, half sRGB 188: 0.5029 linear (IEC 61966-2-1).
+        let texels = [[255; 4], [188, 188, 188, 0]].concat();
+        let image = Arc::new(Image { name: String::new(), width: 2, height: 1, texels });
+        scene.textures = vec![Texture { image, srgb: true, wrap: [Wrap::Repeat; 2], linear_filter: true }];
+        scene.materials[1].emissive_texture = Some(0);
+        let average = LightTable::new(&scene).lights[1].emission;
+        assert!(
+            (average / Vec3::new(1.0, 2.0, 3.0) - Vec3::splat(0.75144)).abs().max_element() < 1e-4,
+            "{average}"
+        );
+        scene.textures[0].srgb = false;
+        let average = LightTable::new(&scene).lights[1].emission.x;
+        assert!((average - (255.0 + 188.0) / 510.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_dark_scene_has_no_lights() {
+        let table = LightTable::new(&SceneDescription::default());
+        assert!(table.lights.is_empty() && table.alias.is_empty() && table.first_light.is_empty());
+    }
+
+    #[test]
+    fn scattered_lights_are_repeatable_and_inside() {
+        let lights = |count, seed| {
+            let mut scene = scene();
+            scene.lights.clear();
+            scatter(&mut scene, count, seed);
+            (scene.bounds(), scene.lights)
+        };
+        let (bounds, first) = lights(1000, 5);
+        assert_eq!(first, lights(1000, 5).1);
+        // Both halves of the seed count.
+        assert_ne!(first, lights(1000, 6).1);
+        assert_ne!(first, lights(1000, 5 + (1 << 32)).1);
+        let inset = 0.0099 * bounds.extent();
+        let (min, max) = (bounds.min + inset, bounds.max - inset);
+        assert!(first.iter().all(|l| l.position.cmpge(min).all() && l.position.cmple(max).all()));
+        // Uniform: the mean of 1000 has a deviation of extent / sqrt(12 000); 5 of them.
+        let mean = first.iter().map(|l| l.position).sum::<Vec3>() / 1000.0;
+        assert!(
+            ((mean - bounds.center()) / bounds.extent()).abs().max_element() < 5.0 / 12_000f32.sqrt(),
+            "{mean}"
+        );
+    }
+
+    #[test]
+    fn scattered_flux_depends_on_neither_count_nor_size() {
+        for (count, scale) in [(1, 1.0), (100, 1.0), (100, 10.0)] {
+            let mut scene = scene();
+            scene.lights.clear();
+            scene.instances.truncate(1);
+            scene.instances[0].transform = Affine3A::from_scale(Vec3::splat(scale));
+            scatter(&mut scene, count, 1);
+            let flux: f32 = scene.lights.iter().map(|l| 4.0 * PI * luminance(l.intensity)).sum();
+            // The box of 2 x 4 x 6 m has 88 m².
+            let illuminance = flux / (88.0 * scale * scale);
+            assert!((illuminance - 500.0).abs() < 0.05, "{count} lights, scale {scale}: {illuminance} lx");
+        }
+        let mut empty = SceneDescription::default();
+        scatter(&mut empty, 10, 1);
+        assert!(empty.lights.is_empty());
+    }
+}

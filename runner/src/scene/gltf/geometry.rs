@@ -1,0 +1,319 @@
+//! Primitives: any triangle topology of glTF -> an indexed triangle list with sound attributes.
+
+use super::materials::UvMapping;
+use super::warnings::Warnings;
+use super::{Reason, accessors, tangents};
+use crate::scene::Primitive;
+use glam::{Vec2, Vec3, Vec4};
+use gltf::accessor::DataType::{F32, U8, U16, U32};
+use gltf::accessor::Dimensions;
+use gltf::mesh::{Mode, Semantic};
+use shared::math::normalize_or;
+
+/// What a material asks of the primitives that wear it.
+#[derive(Clone, Debug)]
+pub struct Wear {
+    /// Index into the scene's materials.
+    pub material: usize,
+    pub uv: UvMapping,
+    pub has_textures: bool,
+    pub has_normal_map: bool,
+}
+
+/// Reads a primitive; `None` (with a warning) if it has no triangles to draw. `label` names it in warnings.
+/// Errors: attributes or indices that are broken, see [`accessors::check`].
+pub fn read(
+    source: &gltf::Primitive,
+    label: &str,
+    wear: &Wear,
+    buffers: &[Vec<u8>],
+    warnings: &mut Warnings,
+) -> Reason<Option<Primitive>> {
+    if !matches!(source.mode(), Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) {
+        warnings.add("points and lines are left out", label);
+        return Ok(None);
+    }
+    if source.morph_targets().len() > 0 {
+        warnings.add("morph targets are not applied", label);
+    }
+    let mut primitive = read_vertices(source, &wear.uv, buffers)?;
+    primitive.material = wear.material;
+    let corners = read_indices(source, primitive.positions.len(), buffers)?;
+    if source.mode() == Mode::Triangles && !corners.len().is_multiple_of(3) {
+        warnings.add("the last triangle lacks a corner and is left out", label);
+    }
+    primitive.indices = triangles(source.mode(), &corners);
+    let dropped = drop_degenerate(&mut primitive);
+    if dropped > 0 {
+        warnings.count("triangles without an area are left out", label, dropped);
+    }
+    if primitive.indices.is_empty() {
+        return Ok(None);
+    }
+    if primitive.normals.is_empty() {
+        flatten(&mut primitive);
+    } else {
+        compact(&mut primitive);
+        mend_normals(&mut primitive);
+    }
+    finish_texture_space(&mut primitive, label, wear, warnings);
+    Ok(Some(primitive))
+}
+
+fn finish_texture_space(primitive: &mut Primitive, label: &str, wear: &Wear, warnings: &mut Warnings) {
+    if primitive.uvs.is_empty() {
+        if wear.has_textures {
+            warnings.add("textured, but without texture coordinates: every point reads one texel", label);
+        }
+    } else if wear.has_normal_map && primitive.tangents.is_empty() {
+        warnings.add("a normal map without tangents: simple ones are computed, not MikkTSpace", label);
+        tangents::compute(primitive);
+    }
+}
+
+fn read_vertices(source: &gltf::Primitive, uv: &UvMapping, buffers: &[Vec<u8>]) -> Reason<Primitive> {
+    use Dimensions::{Vec2 as Two, Vec3 as Three, Vec4 as Four};
+    let reader = source.reader(|buffer| buffers.get(buffer.index()).map(Vec::as_slice));
+    let has = |semantic: Semantic, types: &[_]| match source.get(&semantic) {
+        None => Ok(false),
+        Some(accessor) => accessors::check(&accessor, types, buffers)
+            .map(|()| true)
+            .map_err(|reason| format!("{}: {reason}", semantic.to_string())),
+    };
+    let mut primitive = Primitive::default();
+    if has(Semantic::Positions, &[(Three, F32)])? {
+        primitive.positions = reader.read_positions().into_iter().flatten().map(Vec3::from).collect();
+    }
+    if has(Semantic::Normals, &[(Three, F32)])? {
+        primitive.normals = reader.read_normals().into_iter().flatten().map(Vec3::from).collect();
+        // Without the file's normals, its tangents mean nothing (glTF 2.0, 3.7.2.1).
+        if has(Semantic::Tangents, &[(Four, F32)])? {
+            primitive.tangents = reader.read_tangents().into_iter().flatten().map(unit_tangent).collect();
+        }
+    }
+    if has(Semantic::TexCoords(uv.set), &[(Two, F32), (Two, U8), (Two, U16)])? {
+        let uvs = reader.read_tex_coords(uv.set).map(|uvs| uvs.into_f32());
+        primitive.uvs = uvs.into_iter().flatten().map(|c| uv.apply(Vec2::from(c))).collect();
+    }
+    let colors = [(Three, F32), (Three, U8), (Three, U16), (Four, F32), (Four, U8), (Four, U16)];
+    if has(Semantic::Colors(0), &colors)? {
+        let colors = reader.read_colors(0).map(|colors| colors.into_rgba_f32());
+        primitive.colors = colors.into_iter().flatten().map(Vec4::from).collect();
+    }
+    check_vertices(&primitive)?;
+    for color in &mut primitive.colors {
+        *color = color.clamp(Vec4::ZERO, Vec4::ONE);
+    }
+    Ok(primitive)
+}
+
+/// A tangent from the file, unit, with a handedness of ±1; one without a direction stays 0 here.
+fn unit_tangent(tangent: [f32; 4]) -> Vec4 {
+    let [x, y, z, w] = tangent;
+    let direction = Vec3::new(x, y, z);
+    if !direction.is_finite() {
+        return Vec4::NAN;
+    }
+    normalize_or(direction, Vec3::ZERO).extend(if w < 0.0 { -1.0 } else { 1.0 })
+}
+
+/// All attributes must have one entry a vertex, each finite.
+fn check_vertices(p: &Primitive) -> Reason<()> {
+    let vertices = p.positions.len();
+    if vertices > u32::MAX as usize {
+        return Err(format!("{vertices} vertices are too many"));
+    }
+    let attributes = [
+        ("POSITION", vertices, p.positions.iter().position(|v| !v.is_finite())),
+        ("NORMAL", p.normals.len(), p.normals.iter().position(|v| !v.is_finite())),
+        ("TANGENT", p.tangents.len(), p.tangents.iter().position(|v| !v.is_finite())),
+        ("TEXCOORD", p.uvs.len(), p.uvs.iter().position(|v| !v.is_finite())),
+        ("COLOR_0", p.colors.len(), p.colors.iter().position(|v| !v.is_finite())),
+    ];
+    for (name, length, not_finite) in attributes {
+        if length != 0 && length != vertices {
+            return Err(format!("{name} has {length} elements for {vertices} vertices"));
+        }
+        if let Some(vertex) = not_finite {
+            return Err(format!("{name} of vertex {vertex} is infinite or no number"));
+        }
+    }
+    Ok(())
+}
+
+/// The corners in the order they are drawn, each below `vertices`.
+fn read_indices(source: &gltf::Primitive, vertices: usize, buffers: &[Vec<u8>]) -> Reason<Vec<u32>> {
+    let Some(accessor) = source.indices() else {
+        return Ok((0..vertices as u32).collect());
+    };
+    let types = [U8, U16, U32].map(|data| (Dimensions::Scalar, data));
+    accessors::check(&accessor, &types, buffers).map_err(|reason| format!("indices: {reason}"))?;
+    let reader = source.reader(|buffer| buffers.get(buffer.index()).map(Vec::as_slice));
+    let corners: Vec<u32> = reader.read_indices().map(|i| i.into_u32().collect()).unwrap_or_default();
+    match corners.iter().find(|&&i| i as usize >= vertices) {
+        None => Ok(corners),
+        Some(index) => {
+            let accessor = accessor.index();
+            Err(format!("accessor {accessor}: index {index} is out of range of {vertices} vertices"))
+        }
+    }
+}
+
+/// Corners as a list of triangles, all wound the same way (glTF 2.0, 3.7.2.1).
+fn triangles(mode: Mode, corners: &[u32]) -> Vec<u32> {
+    match mode {
+        // Every other triangle of a strip turns the other way: its last two corners are exchanged.
+        Mode::TriangleStrip => corners
+            .windows(3)
+            .enumerate()
+            .flat_map(|(i, c)| if i % 2 == 0 { [c[0], c[1], c[2]] } else { [c[0], c[2], c[1]] })
+            .collect(),
+        Mode::TriangleFan => corners.windows(2).skip(1).flat_map(|c| [c[0], c[1], corners[0]]).collect(),
+        _ => corners[..corners.len() / 3 * 3].to_vec(),
+    }
+}
+
+/// Removes the triangles whose area is 0, and tells how many. f64 holds products of f32 exactly enough: only truly
+/// collinear corners (up to its rounding) give 0.
+fn drop_degenerate(primitive: &mut Primitive) -> usize {
+    let before = primitive.indices.len() / 3;
+    let positions = &primitive.positions;
+    let has_area = |t: &&[u32]| {
+        let [a, b, c] = [t[0], t[1], t[2]].map(|i| positions[i as usize].as_dvec3());
+        (b - a).cross(c - a) != glam::DVec3::ZERO
+    };
+    let kept: Vec<u32> = primitive.indices.chunks_exact(3).filter(has_area).flatten().copied().collect();
+    primitive.indices = kept;
+    before - primitive.indices.len() / 3
+}
+
+/// Gives each triangle its own corners and its own normal.
+fn flatten(primitive: &mut Primitive) {
+    let order = std::mem::take(&mut primitive.indices);
+    gather(primitive, &order);
+    primitive.indices = (0..order.len() as u32).collect();
+    primitive.normals =
+        primitive.positions.chunks_exact(3).flat_map(|t| [face_normal([t[0], t[1], t[2]]); 3]).collect();
+}
+
+/// Unit normal of the front, counter-clockwise; computed in f64 as small triangles underflow f32.
+fn face_normal(corners: [Vec3; 3]) -> Vec3 {
+    let [a, b, c] = corners.map(Vec3::as_dvec3);
+    (b - a).cross(c - a).try_normalize().map_or(Vec3::Y, |n| n.as_vec3())
+}
+
+/// Drops the vertices that no triangle uses: exporters often let many primitives share one large vertex buffer.
+fn compact(primitive: &mut Primitive) {
+    const UNUSED: u32 = u32::MAX;
+    let mut place = vec![UNUSED; primitive.positions.len()];
+    let mut order = Vec::new();
+    for &i in &primitive.indices {
+        if place[i as usize] == UNUSED {
+            place[i as usize] = order.len() as u32;
+            order.push(i);
+        }
+    }
+    if order.len() < primitive.positions.len() {
+        gather(primitive, &order);
+        for i in &mut primitive.indices {
+            *i = place[*i as usize];
+        }
+    }
+}
+
+/// Replaces the vertices by those that `order` names.
+fn gather(primitive: &mut Primitive, order: &[u32]) {
+    fn pick<T: Copy>(values: &mut Vec<T>, order: &[u32]) {
+        if !values.is_empty() {
+            *values = order.iter().map(|&i| values[i as usize]).collect();
+        }
+    }
+    pick(&mut primitive.positions, order);
+    pick(&mut primitive.normals, order);
+    pick(&mut primitive.tangents, order);
+    pick(&mut primitive.uvs, order);
+    pick(&mut primitive.colors, order);
+}
+
+/// Makes normals unit; one without a direction becomes that of a triangle at its vertex.
+fn mend_normals(primitive: &mut Primitive) {
+    for normal in &mut primitive.normals {
+        *normal = normalize_or(*normal, Vec3::ZERO);
+    }
+    for t in primitive.indices.chunks_exact(3) {
+        for &i in t {
+            if primitive.normals[i as usize] == Vec3::ZERO {
+                let corners = [t[0], t[1], t[2]].map(|i| primitive.positions[i as usize]);
+                primitive.normals[i as usize] = face_normal(corners);
+            }
+        }
+    }
+    for (tangent, normal) in primitive.tangents.iter_mut().zip(&primitive.normals) {
+        if tangent.truncate() == Vec3::ZERO {
+            *tangent = normal.any_orthonormal_vector().extend(1.0);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn strips_and_fans_keep_their_winding() {
+        assert_eq!(triangles(Mode::TriangleStrip, &[0, 1, 2, 3, 4]), [0, 1, 2, 1, 3, 2, 2, 3, 4]);
+        assert_eq!(triangles(Mode::TriangleFan, &[9, 1, 2, 3]), [1, 2, 9, 2, 3, 9]);
+        assert_eq!(triangles(Mode::Triangles, &[0, 1, 2, 3, 4]), [0, 1, 2]);
+        for mode in [Mode::Triangles, Mode::TriangleStrip, Mode::TriangleFan] {
+            for corners in [&[][..], &[0], &[0, 1]] {
+                assert!(triangles(mode, corners).is_empty());
+            }
+        }
+    }
+
+    fn quad() -> Primitive {
+        Primitive {
+            positions: vec![Vec3::ZERO, Vec3::X, Vec3::X + Vec3::Y, Vec3::Y, Vec3::Z],
+            indices: vec![0, 1, 2, 0, 2, 3],
+            ..Primitive::default()
+        }
+    }
+
+    #[test]
+    fn triangles_without_area_go() {
+        let mut primitive = quad();
+        // A repeated corner; collinear corners; a triangle that is tiny, but a triangle.
+        primitive.positions.extend([Vec3::X * 0.5, Vec3::X * 1e-30, Vec3::Y * 1e-30]);
+        primitive.indices.extend([1, 1, 2, 0, 5, 1, 0, 6, 7]);
+        assert_eq!(drop_degenerate(&mut primitive), 2);
+        assert_eq!(primitive.indices, [0, 1, 2, 0, 2, 3, 0, 6, 7]);
+    }
+
+    #[test]
+    fn flat_normals_belong_to_their_triangle() {
+        let mut primitive = quad();
+        primitive.indices.extend([0, 4, 1]);
+        primitive.uvs = (0..5).map(|i| Vec2::splat(i as f32)).collect();
+        flatten(&mut primitive);
+        assert_eq!(primitive.positions.len(), 9);
+        assert_eq!(primitive.normals[..6], [Vec3::Z; 6]);
+        assert_eq!(primitive.normals[6..], [Vec3::Y; 3]);
+        assert_eq!(primitive.uvs[7], Vec2::splat(4.0));
+        assert_eq!(primitive.indices, [0, 1, 2, 3, 4, 5, 6, 7, 8]);
+    }
+
+    #[test]
+    fn unused_vertices_go() {
+        let mut primitive = quad();
+        primitive.indices = vec![2, 3, 4];
+        primitive.normals = vec![Vec3::ZERO, Vec3::ZERO, Vec3::Z * 3.0, Vec3::ZERO, Vec3::Y];
+        let corners = |p: &Primitive| p.indices.iter().map(|&i| p.positions[i as usize]).collect::<Vec<_>>();
+        let before = corners(&primitive);
+        compact(&mut primitive);
+        mend_normals(&mut primitive);
+        assert_eq!(corners(&primitive), before);
+        assert_eq!(primitive.positions.len(), 3);
+        let face = face_normal([before[0], before[1], before[2]]);
+        assert_eq!(primitive.normals, [Vec3::Z, face, Vec3::Y]);
+    }
+}

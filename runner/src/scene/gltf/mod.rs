@@ -1,0 +1,167 @@
+//! glTF 2.0 files (.gltf, .glb) -> `SceneDescription`.
+//!
+//! A file is not trusted: whatever its bytes are, loading ends with a scene or one line that says what is wrong.
+
+mod accessors;
+mod file;
+mod geometry;
+mod images;
+mod materials;
+mod nodes;
+mod tangents;
+#[cfg(test)]
+mod tests;
+mod uri;
+mod warnings;
+
+use super::{Instance, Mesh, SceneDescription};
+use crate::error::{Error, Result};
+use glam::Vec3;
+use gltf::Document;
+use materials::Materials;
+use nodes::Placed;
+use std::collections::HashMap;
+use std::path::Path;
+use warnings::Warnings;
+
+/// m; squares of distances and areas are far from the end of f32.
+const MAX_COORDINATE: f32 = 1e15;
+
+/// A result inside the loader: its error is the reason alone, [`load`] adds the file.
+type Reason<T> = std::result::Result<T, String>;
+
+/// Loads the default scene of a .gltf or .glb file. What it has and can't be drawn yet is in the warnings.
+/// Errors, one line each: [`Error::File`] if `path` can't be read, [`Error::Scene`] for everything that is wrong in it.
+pub fn load(path: &Path) -> Result<SceneDescription> {
+    let bytes =
+        uri::read_file(path).map_err(|source| Error::File { path: path.into(), action: "read", source })?;
+    let base = path.parent().unwrap_or(Path::new(""));
+    let mut scene = scene_of(&bytes, base)
+        .map_err(|reason| Error::Scene { path: path.into(), reason: one_line(&reason) })?;
+    scene.name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    Ok(scene)
+}
+
+fn scene_of(bytes: &[u8], base: &Path) -> Reason<SceneDescription> {
+    let (document, buffers) = file::parse(bytes, base)?;
+    let mut warnings = Warnings::default();
+    warn_of_features(&document, &mut warnings);
+    let nodes = nodes::place(&document)?;
+    let worn = nodes.iter().filter_map(|placed| placed.node.mesh()).flat_map(|mesh| mesh.primitives());
+    let images = materials::images_of(worn.map(|primitive| primitive.material()));
+    let images = images::load(&document, &images, base, &buffers);
+    let mut loader = Loader {
+        buffers: &buffers,
+        materials: Materials::new(images),
+        known_meshes: HashMap::new(),
+        scene: SceneDescription::default(),
+        warnings,
+    };
+    for placed in &nodes {
+        loader.add(placed)?;
+    }
+    loader.finish()
+}
+
+fn warn_of_features(document: &Document, warnings: &mut Warnings) {
+    for extension in document.extensions_used().filter(|name| !file::SUPPORTED_EXTENSIONS.contains(name)) {
+        warnings.add("extensions without an effect here", extension);
+    }
+    for animation in document.animations() {
+        let label = label("animation", animation.index(), animation.name());
+        warnings.add("animations are not played", &label);
+    }
+}
+
+/// A scene that grows node by node.
+struct Loader<'b> {
+    buffers: &'b [Vec<u8>],
+    materials: Materials,
+    /// Index in the document -> in the scene, for shared meshes; `None` for those without triangles.
+    known_meshes: HashMap<usize, Option<usize>>,
+    scene: SceneDescription,
+    warnings: Warnings,
+}
+
+impl Loader<'_> {
+    fn add(&mut self, placed: &Placed) -> Reason<()> {
+        self.scene.cameras.extend(placed.camera(&mut self.warnings));
+        self.scene.lights.extend(placed.point_light(&mut self.warnings)?);
+        let Some(mesh) = placed.node.mesh() else { return Ok(()) };
+        if placed.node.skin().is_some() {
+            self.warnings.add("skins are drawn as modelled", &placed.label);
+        }
+        let Some(mesh) = self.mesh(&mesh)? else { return Ok(()) };
+        let Some(transform) = placed.transform() else {
+            self.warnings.add("scaled to nothing, so left out", &placed.label);
+            return Ok(());
+        };
+        let name = placed.node.name().unwrap_or_default().to_owned();
+        self.scene.instances.push(Instance { name, mesh, transform });
+        Ok(())
+    }
+
+    fn mesh(&mut self, source: &gltf::Mesh) -> Reason<Option<usize>> {
+        if let Some(&known) = self.known_meshes.get(&source.index()) {
+            return Ok(known);
+        }
+        let mesh_label = label("mesh", source.index(), source.name());
+        let mut primitives = Vec::new();
+        for primitive in source.primitives() {
+            let label = format!("{mesh_label}, primitive {}", primitive.index());
+            let wear = self.materials.wear(&primitive.material(), &mut self.warnings)?;
+            let read = geometry::read(&primitive, &label, &wear, self.buffers, &mut self.warnings);
+            primitives.extend(read.map_err(|reason| format!("{label}: {reason}"))?);
+        }
+        let index = (!primitives.is_empty()).then_some(self.scene.meshes.len());
+        if index.is_some() {
+            let name = source.name().unwrap_or_default().to_owned();
+            self.scene.meshes.push(Mesh { name, primitives });
+        }
+        self.known_meshes.insert(source.index(), index);
+        Ok(index)
+    }
+
+    fn finish(mut self) -> Reason<SceneDescription> {
+        if self.scene.instances.is_empty() {
+            let hint = self
+                .warnings
+                .into_lines()
+                .into_iter()
+                .next()
+                .map(|line| format!(" ({line})"))
+                .unwrap_or_default();
+            return Err(format!("no triangles in its scene{hint}"));
+        }
+        if !in_range(&self.scene) {
+            return Err(format!("its scene reaches beyond {MAX_COORDINATE:e} m; scale it down"));
+        }
+        self.scene.materials = self.materials.materials;
+        self.scene.textures = self.materials.textures;
+        self.scene.warnings = self.warnings.into_lines();
+        Ok(self.scene)
+    }
+}
+
+/// All triangles and lights are nearer than [`MAX_COORDINATE`]; false for NaN too, which large transforms can make.
+fn in_range(scene: &SceneDescription) -> bool {
+    let near = |p: Vec3| p.abs().cmple(Vec3::splat(MAX_COORDINATE)).all();
+    let instance_is_near = |instance: &Instance| {
+        let mut positions = scene.meshes[instance.mesh].primitives.iter().flat_map(|p| &p.positions);
+        positions.all(|&p| near(instance.transform.transform_point3(p)))
+    };
+    scene.instances.iter().all(instance_is_near) && scene.lights.iter().all(|light| near(light.position))
+}
+
+/// `node 3 'Lamp'`
+fn label(kind: &str, index: usize, name: Option<&str>) -> String {
+    match name {
+        Some(name) if !name.is_empty() => format!("{kind} {index} '{name}'"),
+        _ => format!("{kind} {index}"),
+    }
+}
+
+/// Text from a file must not break a message's one line.
+fn one_line(text: &str) -> String {
+    text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
+}

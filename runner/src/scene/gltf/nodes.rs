@@ -1,0 +1,129 @@
+//! The node hierarchy -> what stands where in the world.
+
+use super::warnings::Warnings;
+use super::{Reason, label};
+use crate::scene::{PointLight, SceneCamera};
+use glam::{Affine3A, DAffine3, DMat3, DMat4, DQuat, DVec3, Vec3};
+use gltf::scene::Transform;
+use gltf::{Document, Node};
+
+/// A node and its place.
+pub struct Placed<'a> {
+    pub node: Node<'a>,
+    /// Names the node in messages.
+    pub label: String,
+    /// Object to world.
+    pub world: DAffine3,
+}
+
+/// The nodes of the default scene (or the first), parents before their children. Composed in f64, so that deep
+/// hierarchies lose nothing. Errors: no scene, a node that is reached twice, a matrix that is no finite affine one.
+pub fn place(document: &Document) -> Reason<Vec<Placed<'_>>> {
+    let scene =
+        document.default_scene().or_else(|| document.scenes().next()).ok_or("the file has no scene")?;
+    let mut reached = vec![false; document.nodes().len()];
+    let mut placed = Vec::new();
+    // An own stack: a file may nest its nodes deeper than the program's stack is. Reversed, as the last comes first.
+    let mut open: Vec<(Node, DAffine3)> = scene.nodes().map(|node| (node, DAffine3::IDENTITY)).collect();
+    open.reverse();
+    while let Some((node, parent)) = open.pop() {
+        let label = label("node", node.index(), node.name());
+        if std::mem::replace(&mut reached[node.index()], true) {
+            return Err(format!("{label} has two parents, or is its own ancestor"));
+        }
+        let local = local_transform(node.transform()).map_err(|reason| format!("{label}: {reason}"))?;
+        let world = parent * local;
+        if !world.as_affine3a().is_finite() {
+            return Err(format!("{label}: its transform to the world is infinite or no number"));
+        }
+        let children: Vec<Node> = node.children().collect();
+        open.extend(children.into_iter().rev().map(|child| (child, world)));
+        placed.push(Placed { node, label, world });
+    }
+    Ok(placed)
+}
+
+fn local_transform(transform: Transform) -> Reason<DAffine3> {
+    match transform {
+        Transform::Matrix { matrix } => {
+            let matrix = DMat4::from_cols_array_2d(&matrix.map(|column| column.map(f64::from)));
+            if !matrix.is_finite() {
+                return Err("its matrix has an element that is infinite or no number".into());
+            }
+            let row = matrix.row(3);
+            if (row - glam::DVec4::W).abs().max_element() > 1e-5 {
+                return Err(format!("its matrix is not affine: the last row is {row}"));
+            }
+            Ok(DAffine3::from_mat4(matrix))
+        }
+        Transform::Decomposed { translation, rotation, scale } => {
+            let rotation = DQuat::from_array(rotation.map(f64::from));
+            if !(rotation.is_finite() && rotation.length_squared() > 0.0) {
+                return Err(format!("{rotation} is no rotation"));
+            }
+            let [translation, scale] = [translation, scale].map(|v| DVec3::from_array(v.map(f64::from)));
+            Ok(DAffine3::from_scale_rotation_translation(scale, rotation.normalize(), translation))
+        }
+    }
+}
+
+impl Placed<'_> {
+    /// As the scene keeps it; `None` if the transform leaves no area of anything.
+    pub fn transform(&self) -> Option<Affine3A> {
+        let DMat3 { x_axis: x, y_axis: y, z_axis: z } = self.world.matrix3;
+        let areas = [x.cross(y), y.cross(z), z.cross(x)];
+        areas.iter().any(|&area| area != DVec3::ZERO).then(|| self.world.as_affine3a())
+    }
+
+    /// The node's perspective camera. Its transform turns and moves, but does not scale it.
+    pub fn camera(&self, warnings: &mut Warnings) -> Option<SceneCamera> {
+        let camera = self.node.camera()?;
+        let fov_y = match camera.projection() {
+            gltf::camera::Projection::Perspective(perspective) => perspective.yfov(),
+            gltf::camera::Projection::Orthographic(_) => {
+                warnings.add("orthographic cameras are left out", &self.label);
+                return None;
+            }
+        };
+        let forward = -self.world.matrix3.z_axis.normalize_or_zero();
+        let up = self.world.matrix3.y_axis;
+        let up = (up - forward * forward.dot(up)).normalize_or_zero();
+        if !(fov_y > 0.0 && fov_y < std::f32::consts::PI && forward != DVec3::ZERO && up != DVec3::ZERO) {
+            warnings.add("a camera without a view is left out", &self.label);
+            return None;
+        }
+        Some(SceneCamera {
+            name: camera.name().or(self.node.name()).unwrap_or_default().to_owned(),
+            position: self.world.translation.as_vec3(),
+            forward: forward.as_vec3(),
+            up: up.as_vec3(),
+            fov_y,
+        })
+    }
+
+    /// The node's point light (KHR_lights_punctual): its color is linear, and no scale changes its intensity.
+    pub fn point_light(&self, warnings: &mut Warnings) -> Reason<Option<PointLight>> {
+        use gltf::khr_lights_punctual::Kind;
+        let Some(light) = self.node.light() else { return Ok(None) };
+        let left_out = match light.kind() {
+            Kind::Point => None,
+            Kind::Spot { .. } => Some("spot lights are left out until they can be sampled"),
+            Kind::Directional => Some("directional lights are left out until they can be sampled"),
+        };
+        if let Some(text) = left_out {
+            warnings.add(text, &self.label);
+            return Ok(None);
+        }
+        if light.range().is_some() {
+            warnings.add(
+                "the range of a light is ignored: it falls off with the square of the distance",
+                &self.label,
+            );
+        }
+        let intensity = Vec3::from(light.color()) * light.intensity();
+        if !(intensity.is_finite() && intensity.min_element() >= 0.0) {
+            return Err(format!("{}: light intensity {intensity} is negative or infinite", self.label));
+        }
+        Ok(Some(PointLight { position: self.world.translation.as_vec3(), intensity }))
+    }
+}

@@ -1,0 +1,159 @@
+//! Materials, textures and what stands in for missing ones.
+
+use super::*;
+use crate::scene::{Material, Wrap};
+use glam::{Vec2, Vec4};
+use std::sync::Arc;
+
+fn loaded(material: Value) -> (Material, Vec<String>) {
+    let mut file = File::quad();
+    file.material(material);
+    let scene = file.load().unwrap();
+    (scene.materials[0].clone(), scene.warnings)
+}
+
+#[test]
+fn factors_follow_the_specification() {
+    // No material at all: ours.
+    let plain = File::quad().load().unwrap().materials[0].clone();
+    assert_eq!((plain.metallic, plain.roughness), (0.0, 1.0));
+    // An empty one: glTF's.
+    let (empty, warnings) = loaded(json!({}));
+    assert_eq!((empty.metallic, empty.roughness, empty.base_color), (1.0, 1.0, Vec4::ONE));
+    assert!(warnings.is_empty());
+    let (full, _) = loaded(json!({
+        "name": "lamp", "doubleSided": true, "emissiveFactor": [1, 0.5, 0],
+        "pbrMetallicRoughness": {"baseColorFactor": [0.1, 0.2, 0.3, 1], "metallicFactor": 0.25, "roughnessFactor": 0.5},
+        "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 40}},
+    }));
+    assert_eq!((full.name.as_str(), full.double_sided), ("lamp", true));
+    assert_eq!((full.metallic, full.roughness, full.base_color), (0.25, 0.5, Vec4::new(0.1, 0.2, 0.3, 1.0)));
+    assert_eq!(full.emission, Vec3::new(40.0, 20.0, 0.0));
+}
+
+#[test]
+fn approximations_are_told() {
+    let (specular, warnings) =
+        loaded(json!({"name": "s", "extensions": {"KHR_materials_pbrSpecularGlossiness":
+        {"diffuseFactor": [0.5, 0.5, 0.5, 1], "glossinessFactor": 0.75}}}));
+    assert_eq!((specular.metallic, specular.roughness, specular.base_color.x), (0.0, 0.25, 0.5));
+    assert!(
+        warnings[0].starts_with("specular-glossiness is approximated")
+            && warnings[0].ends_with("material 0 's'")
+    );
+    for mode in ["MASK", "BLEND"] {
+        let warnings = loaded(json!({"alphaMode": mode})).1;
+        assert_eq!(warnings, ["alpha modes MASK and BLEND are drawn opaque: material 0"]);
+    }
+    assert_eq!(loaded(json!({"extensions": {"KHR_materials_unlit": {}}})).1.len(), 1);
+}
+
+#[test]
+fn one_image_serves_color_and_data() {
+    let mut file = File::quad();
+    let texture = file.texture(&png([1, 2, 3]));
+    file.json["samplers"] = json!([{"magFilter": 9728, "wrapS": 33071, "wrapT": 33648}]);
+    file.json["textures"][texture]["sampler"] = json!(0);
+    let reference = json!({"index": texture});
+    file.material(json!({"pbrMetallicRoughness":
+        {"baseColorTexture": reference, "metallicRoughnessTexture": reference}}));
+    let scene = file.load().unwrap();
+    let [color, data] = &scene.textures[..] else { panic!("{} textures", scene.textures.len()) };
+    assert_eq!(scene.materials[0].base_color_texture, Some(0));
+    assert_eq!(scene.materials[0].metallic_roughness_texture, Some(1));
+    assert!(color.srgb && !data.srgb && Arc::ptr_eq(&color.image, &data.image));
+    assert_eq!((color.image.width, color.image.height, &color.image.texels[..]), (1, 1, &[1, 2, 3, 255][..]));
+    assert_eq!((color.wrap, color.linear_filter), ([Wrap::ClampToEdge, Wrap::MirroredRepeat], false));
+    assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
+}
+
+/// Two textures of one material may well be the same one of the file.
+#[test]
+fn textures_are_shared_by_materials() {
+    let mut file = File::quad();
+    let texture = file.texture(&png([1, 2, 3]));
+    let mut second = file.primitive().clone();
+    for primitive in 0..2 {
+        file.material(json!({"pbrMetallicRoughness": {"baseColorTexture": {"index": texture}}}));
+        if primitive == 0 {
+            second["material"] = file.primitive()["material"].clone();
+        }
+    }
+    push(&mut file.json["meshes"][0]["primitives"], second);
+    let scene = file.load().unwrap();
+    assert_eq!((scene.materials.len(), scene.textures.len()), (2, 1));
+}
+
+#[test]
+fn missing_and_broken_images_have_stand_ins() {
+    let mut file = File::quad();
+    file.json["images"] = json!([{"uri": "nowhere.png"}]);
+    file.json["textures"] = json!([{"source": 0}]);
+    let broken = file.texture(b"no image");
+    file.material(json!({"name": "m", "normalTexture": {"index": 0, "scale": 0.5},
+        "pbrMetallicRoughness": {"baseColorTexture": {"index": broken}}}));
+    let scene = file.load().unwrap();
+    let texels = |texture: Option<usize>| scene.textures[texture.unwrap()].image.texels.clone();
+    assert_eq!(texels(scene.materials[0].base_color_texture), [255; 4]);
+    assert_eq!(texels(scene.materials[0].normal_texture), [128, 128, 255, 255]);
+    assert_eq!(scene.materials[0].normal_scale, 0.5);
+    let warned =
+        |part: &str| scene.warnings.iter().any(|w| w.contains(part) && w.ends_with("material 0 'm'"));
+    assert!(warned("nowhere.png") && warned("can't decode it"), "{:?}", scene.warnings);
+    // A normal map needs tangents.
+    assert_eq!(scene.meshes[0].primitives[0].tangents, [Vec4::new(1.0, 0.0, 0.0, 1.0); 4]);
+    assert!(scene.warnings.iter().any(|w| w.contains("without tangents")), "{:?}", scene.warnings);
+}
+
+#[test]
+fn images_beside_the_file_are_found() {
+    let folder = Folder::new("images");
+    folder.write("a b.png", &png([9, 8, 7]));
+    let mut file = File::quad();
+    file.json["images"] = json!([{"uri": "a%20b.png"}]);
+    file.json["textures"] = json!([{"source": 0}]);
+    file.material(json!({"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}));
+    let scene = load(&folder.write("quad.glb", &file.bytes())).unwrap();
+    assert_eq!(scene.textures[0].image.texels, [9, 8, 7, 255]);
+    assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
+}
+
+#[test]
+fn images_too_large_are_an_error() {
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    let (color, format) = (image::ColorType::L8, image::ImageFormat::Png);
+    image::write_buffer_with_format(&mut bytes, &[0; 20_000], 20_000, 1, color, format).unwrap();
+    let mut file = File::quad();
+    let texture = file.texture(&bytes.into_inner());
+    file.material(json!({"name": "m", "emissiveFactor": [1, 1, 1], "emissiveTexture": {"index": texture}}));
+    assert!(file.reason().contains("material 0 'm': image 0: 20000 x 1 px"), "{}", file.reason());
+}
+
+#[test]
+fn bad_emission_is_an_error() {
+    let mut file = File::quad();
+    file.material(json!({"emissiveFactor": [1, 1, 1],
+        "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": -1}}}));
+    assert!(file.reason().contains("material 0: emission"), "{}", file.reason());
+}
+
+/// KHR_texture_transform: scale, then a turn that is counter-clockwise as seen (v down), then offset.
+#[test]
+fn coordinates_are_transformed() {
+    let mut file = File::quad();
+    let texture = file.texture(&png([1, 2, 3]));
+    let quarter = std::f32::consts::FRAC_PI_2;
+    let transform = json!({"offset": [0.5, 0], "scale": [2, 1], "rotation": quarter});
+    file.material(json!({"pbrMetallicRoughness": {"baseColorTexture":
+        {"index": texture, "extensions": {"KHR_texture_transform": transform}}}}));
+    let uvs = file.primitive_loaded().uvs;
+    // (u, v) -> (2u, v) -> (v, -2u) -> + (0.5, 0)
+    let expected = [Vec2::new(1.5, 0.0), Vec2::new(1.5, -2.0), Vec2::new(0.5, -2.0), Vec2::new(0.5, 0.0)];
+    assert!(uvs.iter().zip(expected).all(|(uv, e)| (*uv - e).length() < 1e-6), "{uvs:?}");
+    // Another set.
+    let mut file = File::quad();
+    file.attribute("TEXCOORD_1", &floats(&[0.25; 8]), 5126, "VEC2");
+    let texture = file.texture(&png([1, 2, 3]));
+    file.material(json!({"pbrMetallicRoughness": {"baseColorTexture": {"index": texture, "texCoord": 1}}}));
+    assert_eq!(file.primitive_loaded().uvs, [Vec2::splat(0.25); 4]);
+}
