@@ -5,7 +5,7 @@ mod machine;
 mod plan;
 
 use crate::command;
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
 use machine::Machine;
 use plan::{Action, Plan};
 use std::io::IsTerminal;
@@ -41,7 +41,8 @@ pub fn run(options: &Options) -> Result<()> {
 fn install_rust_components() -> Result<()> {
     for (component, subcommand) in [("rustfmt", "fmt"), ("clippy", "clippy")] {
         if !command::succeeds(command::cargo().args([subcommand, "--version"])) {
-            command::run(command::program("rustup").args(["component", "add", component]))?;
+            command::run(command::program("rustup").args(["component", "add", component]))
+                .with_context(|| format!("the tests need {component}"))?;
         }
     }
     Ok(())
