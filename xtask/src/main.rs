@@ -1,1 +1,73 @@
-fn main() {}
+//! Every chore has one command: `cargo xtask setup`, `demo`, `test`, `shaders`, `models`, `fixtures`.
+
+mod checks;
+mod command;
+mod models;
+mod setup;
+mod shaders;
+
+use anyhow::{Context, Result};
+use clap::{Parser, Subcommand};
+use std::process::ExitCode;
+
+#[derive(Parser)]
+#[command(name = "cargo xtask", about = "Candela's chores: set-up, demo, tests, shaders, models")]
+struct Cli {
+    #[command(subcommand)]
+    task: Task,
+}
+
+#[derive(Subcommand)]
+enum Task {
+    /// Make this machine able to run Candela: a Vulkan loader and a driver that traces rays
+    Setup(setup::Options),
+    /// Set up, then render the atrium to out/atrium.png
+    Demo,
+    /// Set up, then check format, lints and tests; stops at the first failure
+    Test,
+    /// Compile the shaders to assets/shaders
+    Shaders {
+        /// Rebuild and compare with the committed bytes instead of replacing them
+        #[arg(long)]
+        check: bool,
+    },
+    /// Download CC0 test models to models/
+    Models,
+    /// Write the test scenes to assets/scenes
+    Fixtures,
+}
+
+fn main() -> ExitCode {
+    match run(Cli::parse().task) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(task: Task) -> Result<()> {
+    match task {
+        Task::Setup(options) => setup::run(&options),
+        Task::Demo => demo(),
+        Task::Test => checks::run(),
+        Task::Shaders { check } => shaders::run(check),
+        Task::Models => models::run(),
+        Task::Fixtures => candela(&["fixtures", "assets/scenes"]),
+    }
+}
+
+fn demo() -> Result<()> {
+    setup::run(&setup::Options::default())?;
+    let out = command::root().join("out");
+    std::fs::create_dir_all(&out).with_context(|| format!("can't create {}", out.display()))?;
+    candela(&["render", "-o", "out/atrium.png"])?;
+    println!("The picture is {}", out.join("atrium.png").display());
+    Ok(())
+}
+
+fn candela(args: &[&str]) -> Result<()> {
+    let run = ["run", "--release", "-p", "candela", "--"];
+    command::run(command::cargo().args(run).args(args))
+}
