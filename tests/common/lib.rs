@@ -1,3 +1,7 @@
-//! What the tests share.
+//! What the tests share: a device, scenes with known answers, statistics, pictures of what went wrong.
 
+pub mod failure;
+pub mod gpu;
+pub mod scenes;
 pub mod spirv;
+pub mod statistics;

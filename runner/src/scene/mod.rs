@@ -5,6 +5,9 @@ pub mod camera;
 pub mod fixtures;
 pub mod gltf;
 pub mod lights;
+mod source;
+
+pub use source::load;
 
 use glam::{Affine3A, Vec2, Vec3, Vec4};
 use std::path::PathBuf;

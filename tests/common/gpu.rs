@@ -1,0 +1,58 @@
+//! One validated device for a test program, and pictures rendered on it.
+
+use candela::frame::renderer::{FrameOptions, Renderer};
+use candela::frame::schedule::Work;
+use candela::gpu_scene::GpuScene;
+use candela::scene::SceneDescription;
+use candela::vulkan::{Device, DeviceOptions};
+use glam::{UVec2, Vec3};
+use shared::camera::Camera;
+use shared::frame::Settings;
+use std::sync::OnceLock;
+
+/// The device, under validation; none only where `CANDELA_ALLOW_NO_GPU=1` allows a machine without one.
+pub fn device() -> Option<&'static Device> {
+    static DEVICE: OnceLock<Option<Device>> = OnceLock::new();
+    DEVICE.get_or_init(|| match Device::new(&DeviceOptions { validate: true, ..DeviceOptions::default() }) {
+        Ok(device) => Some(device),
+        Err(error) if std::env::var("CANDELA_ALLOW_NO_GPU").as_deref() == Ok("1") => {
+            eprintln!("skipped: {error}");
+            None
+        }
+        Err(error) => panic!("{error} (CANDELA_ALLOW_NO_GPU=1 skips these tests)"),
+    })
+    .as_ref()
+}
+
+/// Fails on any message of the validation layer.
+pub fn assert_no_validation_messages(device: &Device) {
+    let messages = device.validation_messages();
+    assert!(messages.is_empty(), "{} validation messages:\n{}", messages.len(), messages.join("\n"));
+}
+
+/// A renderer for `scene`.
+pub fn renderer(device: &Device, scene: &SceneDescription, size: UVec2, reservoirs: u32) -> Renderer {
+    let scene = GpuScene::new(device, scene).expect("the scene fits");
+    Renderer::new(device, scene, size, reservoirs).expect("the renderer fits")
+}
+
+fn options(work: Work, seed: u32) -> FrameOptions {
+    FrameOptions { work, seed, exposure: 1.0, background: Vec3::ZERO }
+}
+
+/// Radiance of the last of `frames` ReSTIR frames of a still camera, from a fresh history.
+pub fn restir(renderer: &mut Renderer, camera: Camera, settings: Settings, frames: u32, seed: u32) -> Vec<Vec3> {
+    renderer.restart();
+    for _ in 0..frames {
+        renderer.render(camera, &options(Work::Restir(settings), seed)).expect("the frame renders");
+    }
+    renderer.radiance().expect("the picture is read back")
+}
+
+/// Radiance of one frame of the reference.
+pub fn reference(renderer: &mut Renderer, camera: Camera, seed: u32) -> Vec<Vec3> {
+    let lights = renderer.scene().light_count();
+    renderer.restart();
+    renderer.render(camera, &options(Work::Reference { lights }, seed)).expect("the frame renders");
+    renderer.radiance().expect("the picture is read back")
+}

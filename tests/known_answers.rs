@@ -1,0 +1,92 @@
+//! Pictures whose every pixel is known in closed form.
+
+use candela::scene::{Material, PointLight};
+use glam::{DVec3, UVec2, Vec3};
+use shared::frame::Settings;
+use tests::gpu::{assert_no_validation_messages, device, reference, renderer, restir};
+use tests::scenes::{camera, floor_point, floor_radiance, scene, square};
+use tests::failure;
+
+const SIZE: UVec2 = UVec2::new(96, 64);
+const LIGHT: PointLight = PointLight { position: Vec3::new(0.4, 2.0, -0.3), intensity: Vec3::new(100.0, 80.0, 60.0) };
+
+fn pixels() -> impl Iterator<Item = (usize, UVec2)> {
+    (0..SIZE.x * SIZE.y).map(|i| (i as usize, UVec2::new(i % SIZE.x, i / SIZE.x)))
+}
+
+/// Largest relative difference of any pixel.
+fn largest_error(image: &[Vec3], truth: &[DVec3]) -> f64 {
+    let error = |(a, b): (&Vec3, &DVec3)| (a.as_dvec3() - *b).abs().max_element() / b.max_element().max(1e-30);
+    image.iter().zip(truth).map(error).fold(0.0, f64::max)
+}
+
+/// One point light leaves nothing to chance. Tolerance: normals are packed to 1e-4 rad (1e-4 tanθ of the cosine, tanθ
+/// < 3 here), colors to 1e-5, and positions to a few ulp.
+#[test]
+fn one_point_light_over_a_floor() {
+    const TOLERANCE: f64 = 5e-4;
+    let Some(device) = device() else { return };
+    let scene = scene(vec![], vec![], vec![LIGHT]);
+    let camera = camera(SIZE);
+    let mut renderer = renderer(device, &scene, SIZE, 1);
+    let eye = camera.position.as_dvec3();
+    let truth_with = |exponent: f64| -> Vec<DVec3> {
+        let radiance = |x: DVec3| {
+            let d = (LIGHT.position.as_dvec3() - x).length();
+            floor_radiance(x, eye, &LIGHT) * d.powf(2.0 - exponent)
+        };
+        pixels().map(|(_, p)| floor_point(&camera, p, SIZE).map_or(DVec3::ZERO, radiance)).collect()
+    };
+    let truth = truth_with(2.0);
+    let single = truth.iter().map(|c| c.as_vec3()).collect::<Vec<_>>();
+    for (name, image) in [
+        ("one-light-restir", restir(&mut renderer, camera, Settings::default(), 3, 1)),
+        ("one-light-reference", reference(&mut renderer, camera, 1)),
+    ] {
+        let error = largest_error(&image, &truth);
+        assert!(error < TOLERANCE, "{name}: error {error}; {}", failure::write(name, SIZE, &image, &single));
+        // Negative control: a slightly wrong falloff is seen.
+        assert!(largest_error(&image, &truth_with(2.002)) > TOLERANCE, "{name}: the planted error was not seen");
+    }
+    assert_no_validation_messages(device);
+}
+
+const OCCLUDER: Vec3 = Vec3::new(0.2, 1.0, 0.1);
+const HALF: f64 = 0.35;
+
+/// How far the segment from `a` to `b` passes the occluder's edge: positive inside, m; none where it misses the plane.
+fn depth_inside(a: DVec3, b: DVec3) -> Option<f64> {
+    let t = (f64::from(OCCLUDER.y) - a.y) / (b.y - a.y);
+    let at = (a + t * (b - a) - OCCLUDER.as_dvec3()).abs();
+    (0.0..1.0).contains(&t).then_some(HALF - at.x.max(at.z))
+}
+
+/// A hard shadow: away from its edge (1e-4 m), every pixel is either dark or exactly as lit as without the occluder.
+#[test]
+fn hard_shadow_of_a_square() {
+    let Some(device) = device() else { return };
+    let (u, v) = (Vec3::Z * HALF as f32, Vec3::X * HALF as f32);
+    let scene = scene(vec![square(OCCLUDER, u, v, 1)], vec![Material::default()], vec![LIGHT]);
+    let camera = camera(SIZE);
+    let mut renderer = renderer(device, &scene, SIZE, 1);
+    let (eye, light) = (camera.position.as_dvec3(), LIGHT.position.as_dvec3());
+    let images = [restir(&mut renderer, camera, Settings::default(), 2, 1), reference(&mut renderer, camera, 1)];
+    let (mut dark, mut lit) = (0, 0);
+    for (i, pixel) in pixels() {
+        let Some(x) = floor_point(&camera, pixel, SIZE) else { continue };
+        let covered = depth_inside(x, eye).unwrap_or(-1.0);
+        let shadow = depth_inside(x, light).unwrap_or(-1.0);
+        if covered > -1e-4 || shadow.abs() < 1e-4 {
+            continue;
+        }
+        let expected = if shadow > 0.0 { DVec3::ZERO } else { floor_radiance(x, eye, &LIGHT) };
+        *(if shadow > 0.0 { &mut dark } else { &mut lit }) += 1;
+        for image in &images {
+            let error = (image[i].as_dvec3() - expected).abs().max_element();
+            assert!(error <= 5e-4 * expected.max_element(), "{pixel}: {} instead of {expected}", image[i]);
+        }
+    }
+    // The picture shows both.
+    assert!(dark > 100 && lit > 1000, "{dark} dark and {lit} lit pixels");
+    assert_no_validation_messages(device);
+}
