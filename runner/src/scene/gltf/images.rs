@@ -3,7 +3,7 @@
 use super::{Reason, accessors, label, one_line, uri};
 use crate::scene::Image;
 use gltf::Document;
-use image::{ImageReader, Limits};
+use image::{ImageFormat, ImageReader, Limits};
 use std::collections::{BTreeSet, HashMap};
 use std::io::Cursor;
 use std::num::NonZero;
@@ -72,16 +72,20 @@ fn read(
     Ok((accessors::bytes_of(&view, buffers)?.to_vec(), label("image", source.index(), source.name())))
 }
 
-/// Decodes a file of any format that the image crate was built with; the content decides, not the name.
+/// Decodes PNG, JPEG (glTF 2.0) or WebP (EXT_texture_webp); the content decides which, not the name.
 fn decode(name: String, bytes: &[u8]) -> Result<Image, Fault> {
     let missing =
         |error: &dyn std::fmt::Display| Fault::Missing(one_line(&format!("can't decode it: {error}")));
-    let reader = || ImageReader::new(Cursor::new(bytes)).with_guessed_format();
-    let (width, height) = reader().map_err(|e| missing(&e))?.into_dimensions().map_err(|e| missing(&e))?;
+    let reader = || ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|e| missing(&e));
+    // The other formats that the program can write have no place here.
+    if !matches!(reader()?.format(), Some(ImageFormat::Png | ImageFormat::Jpeg | ImageFormat::WebP)) {
+        return Err(missing(&"neither PNG, JPEG nor WebP"));
+    }
+    let (width, height) = reader()?.into_dimensions().map_err(|e| missing(&e))?;
     if width.max(height) > MAX_SIDE {
         return Err(Fault::TooLarge(format!("{width} x {height} px; {MAX_SIDE} on a side is the most")));
     }
-    let mut decoder = reader().map_err(|e| missing(&e))?;
+    let mut decoder = reader()?;
     let mut limits = Limits::default();
     // 16 bits a channel at the largest size.
     limits.max_alloc = Some(u64::from(MAX_SIDE) * u64::from(MAX_SIDE) * 8);
@@ -98,13 +102,18 @@ pub fn stand_in(name: &str, texel: [u8; 4]) -> Arc<Image> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::UVec2;
+    use shared::rng::{Rng, Stream};
 
-    fn png(width: u32, height: u32, texels: &[u8]) -> Vec<u8> {
+    fn encoded(format: ImageFormat, width: u32, height: u32, texels: &[u8]) -> Vec<u8> {
         let mut bytes = Cursor::new(Vec::new());
-        let format = image::ImageFormat::Png;
         image::write_buffer_with_format(&mut bytes, texels, width, height, image::ColorType::Rgb8, format)
             .unwrap();
         bytes.into_inner()
+    }
+
+    fn png(width: u32, height: u32, texels: &[u8]) -> Vec<u8> {
+        encoded(ImageFormat::Png, width, height, texels)
     }
 
     #[test]
@@ -116,11 +125,39 @@ mod tests {
 
     #[test]
     fn bad_images_are_faults() {
-        assert!(matches!(decode("x".into(), b"no image"), Err(Fault::Missing(_))));
+        // Nothing; a Radiance file, which the image crate could read.
+        for other in [&b"no image"[..], b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n\x80\x80\x80\x80"]
+        {
+            let Err(Fault::Missing(reason)) = decode("x".into(), other) else { panic!("{other:?}") };
+            assert!(reason.contains("neither PNG, JPEG nor WebP"), "{reason}");
+        }
         let whole = png(2, 1, &[1, 2, 3, 4, 5, 6]);
         assert!(matches!(decode("x".into(), &whole[..whole.len() - 20]), Err(Fault::Missing(_))));
         let wide = png(MAX_SIDE + 1, 1, &vec![0; 3 * (MAX_SIDE as usize + 1)]);
         let expected = "16385 x 1 px; 16384 on a side is the most".to_owned();
         assert_eq!(decode("x".into(), &wide).unwrap_err(), Fault::TooLarge(expected));
+    }
+
+    /// A panic in a decoder would fail the test.
+    #[test]
+    fn flipped_bits_do_not_panic() {
+        let texels: Vec<u8> = (0..12 * 10 * 3).map(|i| (i * 37 % 251) as u8).collect();
+        let mut rng = Rng::new(UVec2::new(8, 8), 0, 0, Stream::Initial, 0);
+        for format in [ImageFormat::Png, ImageFormat::Jpeg, ImageFormat::WebP] {
+            let whole = encoded(format, 12, 10, &texels);
+            let mut decoded = 0;
+            for _ in 0..500 {
+                let mut broken = whole.clone();
+                for word in rng.next_u32x4().to_array() {
+                    let i = (word >> 3) as usize % broken.len();
+                    broken[i] ^= 1 << (word & 7);
+                }
+                if let Ok(image) = decode("x".into(), &broken) {
+                    assert_eq!(image.texels.len(), image.width as usize * image.height as usize * 4);
+                    decoded += 1;
+                }
+            }
+            assert!(decode("x".into(), &whole).is_ok() && decoded < 500, "{format:?}: {decoded} of 500");
+        }
     }
 }

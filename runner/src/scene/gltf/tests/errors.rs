@@ -87,6 +87,9 @@ fn accessors_out_of_their_bytes() {
         |f| f.json["bufferViews"][0]["byteLength"] = json!(10_000),
         &[where_, "view 0 reaches past buffer 0"],
     );
+    // The bytes are there, but not declared.
+    let shorter = |f: &mut File| f.json["buffers"][0]["byteLength"] = json!(f.bin.len() - 4);
+    rejected(shorter, &["view 3 reaches past buffer 0"]);
     rejected(
         |f| f.json["bufferViews"][0]["byteOffset"] = json!(u64::MAX),
         &[where_, "view 0 reaches past buffer 0"],

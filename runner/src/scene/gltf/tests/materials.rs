@@ -67,7 +67,6 @@ fn one_image_serves_color_and_data() {
     assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
 }
 
-/// Two textures of one material may well be the same one of the file.
 #[test]
 fn textures_are_shared_by_materials() {
     let mut file = File::quad();
