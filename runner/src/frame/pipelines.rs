@@ -71,7 +71,7 @@ impl Pipelines {
         let code = Code::load(pass.stem)?;
         let cache = vk::PipelineCache::null();
         let Stage::RayTracing(rays) = pass.stage else {
-            let pipeline = ComputePipeline::new(&self.device, cache, pass.stem, code.shader(), interface)?;
+            let pipeline = ComputePipeline::new(&self.device, cache, pass.stem, code.shader(), &interface)?;
             return Ok(PassPipeline::Compute(pipeline));
         };
         let misses = [Code::load("primary_miss")?, Code::load("shadow_miss")?];
