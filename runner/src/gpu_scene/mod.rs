@@ -52,7 +52,7 @@ impl GpuScene {
 
         let blas = BlasSet::build(device, &geometries(&arrays, &buffers[1].1, &buffers[3].1))?;
         let tlas = Tlas::build(device, &blas, &tlas_instances(scene, &arrays))?;
-        let set = DescriptorSet::new(device, "scene", &set_layout(device)?, views.len() as u32)?;
+        let set = DescriptorSet::new(device, "scene", &set_layout(device, views.len() as u32)?, views.len() as u32)?;
         set.bind_tlas(scene_binding::TLAS, &tlas);
         for (binding, buffer) in &buffers {
             set.bind_storage_buffer(*binding, buffer);
@@ -91,8 +91,8 @@ impl GpuScene {
     }
 }
 
-/// The layout of set 0. Textures come last, as many as a scene has.
-fn set_layout(device: &Device) -> Result<SetLayout> {
+/// The layout of set 0 for a scene with so many textures.
+fn set_layout(device: &Device, textures: u32) -> Result<SetLayout> {
     use vk::ShaderStageFlags as Stage;
     let stages = Stage::RAYGEN_KHR | Stage::COMPUTE;
     let mut bindings =
@@ -100,7 +100,7 @@ fn set_layout(device: &Device) -> Result<SetLayout> {
     for binding in scene_binding::INSTANCES..scene_binding::TEXTURES {
         bindings.push(Binding::one(binding, vk::DescriptorType::STORAGE_BUFFER, stages));
     }
-    bindings.push(Binding::textures(scene_binding::TEXTURES, device.limits().max_textures, Stage::RAYGEN_KHR));
+    bindings.push(Binding::textures(scene_binding::TEXTURES, textures, Stage::RAYGEN_KHR));
     SetLayout::new(device, "scene", &bindings)
 }
 

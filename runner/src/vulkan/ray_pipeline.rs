@@ -55,14 +55,14 @@ impl RayPipeline {
         Ok(RayPipeline { pipeline, table })
     }
 
-    /// Runs the bound pipeline: one ray generation invocation a pixel.
-    pub fn trace(&self, cmd: vk::CommandBuffer, width: u32, height: u32) -> Result<()> {
+    /// Runs the bound pipeline: one ray generation invocation for each point of a grid.
+    pub fn trace(&self, cmd: vk::CommandBuffer, [width, height, depth]: [u32; 3]) -> Result<()> {
         let (device, table) = (self.pipeline.device(), &self.table);
         let limit = device.limits().max_ray_dispatch;
-        if u64::from(width) * u64::from(height) > u64::from(limit) {
+        if u64::from(width) * u64::from(height) * u64::from(depth) > u64::from(limit) {
             let device = &device.info().name;
             return Err(Error::Usage(format!(
-                "{width} x {height} rays: {device} launches {limit} at once; use a smaller --size"
+                "{width} x {height} x {depth} rays: {device} launches {limit} at once; use a smaller --size"
             )));
         }
         // SAFETY: `cmd` is recording with this pipeline and its sets bound; the table is this pipeline's.
@@ -75,7 +75,7 @@ impl RayPipeline {
                 &table.callable,
                 width,
                 height,
-                1,
+                depth,
             );
         }
         Ok(())
