@@ -424,3 +424,7 @@ impl Tlas {
         self.storage.size()
     }
 }
+
+#[cfg(test)]
+#[path = "acceleration_tests.rs"]
+mod tests;
