@@ -67,7 +67,7 @@ fn two_instances_of_a_triangle() {
 fn meshes_of_several_geometries_and_of_none() {
     with_device(|device| {
         let data = triangles(device);
-        let two = vec![data.geometry(0, true), data.geometry(1, false)];
+        let two = [data.geometry(0, true), data.geometry(1, false)];
         let meshes: Vec<Vec<BlasGeometry>> = (0..100).map(|i| two[..1 + i % 2].to_vec()).collect();
         let set = BlasSet::build(device, &meshes).unwrap();
         assert_eq!(set.len(), 100);

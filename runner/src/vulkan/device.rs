@@ -370,6 +370,15 @@ mod tests {
         assert!(text.contains("Voodoo 2") && text.contains(&device.info().name), "{text}");
     }
 
+    #[test]
+    fn what_a_device_lacks_is_said() {
+        let Some(device) = testing::device() else { return };
+        let chosen = physical::choose(device.instance(), None, &[c"VK_XYZ_wishful_thinking"]);
+        let Err(error) = chosen else { panic!("there is no such extension") };
+        let text = error.to_string();
+        assert!(text.contains("VK_XYZ_wishful_thinking") && text.contains(&device.info().name), "{text}");
+    }
+
     /// Planted error: the layer must be heard.
     #[test]
     fn validation_finds_a_copy_beyond_the_end() {

@@ -65,8 +65,8 @@ impl Image {
             .array_layers(1)
             .samples(vk::SampleCountFlags::TYPE_1)
             .usage(usage);
-        // SAFETY: a valid create info; the handle is destroyed by `drop`.
         let bytes = u64::from(width) * u64::from(height) * 4;
+        // SAFETY: a valid create info; the handle is destroyed by `drop`.
         let handle = unsafe { device.create_image(&info, None) }
             .map_err(|e| creation_error(e, &format!("image '{name}'"), bytes, MemoryLocation::GpuOnly))?;
         let view = vk::ImageView::null();
