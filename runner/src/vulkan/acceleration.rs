@@ -1,6 +1,7 @@
 //! Acceleration structures: bottom level, built in batches and compacted, and top level.
 
 use super::buffer::{Buffer, Memory};
+use super::compaction::CompactedSizes;
 use super::device::Device;
 use super::{Check, align_up, memory_barrier};
 use crate::error::{Error, Result};
@@ -293,55 +294,6 @@ fn check_limit(device: &Device, what: &str, count: u64, limit: u64) -> Result<()
     )))
 }
 
-/// Queries of compacted sizes.
-struct CompactedSizes {
-    device: Device,
-    pool: vk::QueryPool,
-    count: u32,
-}
-
-impl CompactedSizes {
-    const KIND: vk::QueryType = vk::QueryType::ACCELERATION_STRUCTURE_COMPACTED_SIZE_KHR;
-
-    fn new(device: &Device, count: u32) -> Result<Self> {
-        let info = vk::QueryPoolCreateInfo::default().query_type(Self::KIND).query_count(count);
-        // SAFETY: a valid create info; `drop` destroys the pool.
-        let pool = unsafe { device.create_query_pool(&info, None) }.check("create query pool")?;
-        Ok(CompactedSizes { device: device.clone(), pool, count })
-    }
-
-    fn record(&self, cmd: vk::CommandBuffer, structures: &[vk::AccelerationStructureKHR]) {
-        // SAFETY: `cmd` is recording; one query a structure; the builds are ordered before.
-        unsafe {
-            self.device.cmd_reset_query_pool(cmd, self.pool, 0, self.count);
-            let acceleration = self.device.acceleration();
-            acceleration.cmd_write_acceleration_structures_properties(
-                cmd,
-                structures,
-                Self::KIND,
-                self.pool,
-                0,
-            );
-        }
-    }
-
-    fn read(&self) -> Result<Vec<u64>> {
-        let mut sizes = vec![0u64; self.count as usize];
-        let flags = vk::QueryResultFlags::TYPE_64 | vk::QueryResultFlags::WAIT;
-        // SAFETY: the queries were written by a submission that is done.
-        unsafe { self.device.get_query_pool_results(self.pool, 0, &mut sizes, flags) }
-            .check("read compacted sizes")?;
-        Ok(sizes)
-    }
-}
-
-impl Drop for CompactedSizes {
-    fn drop(&mut self) {
-        // SAFETY: the submission that wrote it is done.
-        unsafe { self.device.destroy_query_pool(self.pool, None) };
-    }
-}
-
 /// A mesh in the world.
 #[derive(Clone, Copy, Debug)]
 pub struct TlasInstance {
@@ -424,3 +376,7 @@ impl Tlas {
         self.storage.size()
     }
 }
+
+#[cfg(test)]
+#[path = "acceleration_tests.rs"]
+mod tests;

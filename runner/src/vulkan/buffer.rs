@@ -1,6 +1,6 @@
 //! Buffers: on the device, or mapped by the host for upload or readback.
 
-use super::device::Device;
+use super::device::{Device, creation_error};
 use super::upload::Uploader;
 use super::{Check, memory_barrier};
 use crate::error::{Error, Result};
@@ -75,8 +75,8 @@ impl Buffer {
             | vk::BufferUsageFlags::SHADER_DEVICE_ADDRESS;
         let info = vk::BufferCreateInfo::default().size(size.max(MIN_SIZE)).usage(usage);
         // SAFETY: a valid create info; the handle is destroyed by `drop`.
-        let handle =
-            unsafe { device.create_buffer(&info, None) }.check(format_args!("create buffer '{name}'"))?;
+        let handle = unsafe { device.create_buffer(&info, None) }
+            .map_err(|e| creation_error(e, &format!("buffer '{name}'"), size, memory.location()))?;
         let mut buffer =
             Buffer { device: device.clone(), name: name.into(), handle, allocation: None, address: 0, size };
         buffer.bind_memory(memory)?;
@@ -216,5 +216,58 @@ impl Drop for Buffer {
         if let Some(allocation) = self.allocation.take() {
             self.device.free(allocation);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::testing::with_device;
+    use super::*;
+
+    const STORAGE: vk::BufferUsageFlags = vk::BufferUsageFlags::STORAGE_BUFFER;
+
+    #[test]
+    fn content_comes_back() {
+        with_device(|device| {
+            let data: Vec<u32> = (0..100_003).map(|i: u32| i.wrapping_mul(2_654_435_761)).collect();
+            let buffer = Buffer::from_slice(device, "numbers", &data, STORAGE).unwrap();
+            assert!(buffer.address() != 0 && device.memory_used() >= buffer.size());
+            assert_eq!(buffer.read_vec::<u32>().unwrap(), data);
+            let bytes: Vec<u8> = vec![7; 13];
+            let odd = Buffer::from_slice(device, "odd size", &bytes, STORAGE).unwrap();
+            assert_eq!(odd.read_vec::<u8>().unwrap(), bytes);
+        });
+    }
+
+    #[test]
+    fn empty_slices_can_be_bound() {
+        with_device(|device| {
+            let buffer = Buffer::from_slice::<u32>(device, "empty", &[], STORAGE).unwrap();
+            assert_eq!((buffer.size(), buffer.read_vec::<u32>().unwrap()), (0, vec![]));
+        });
+    }
+
+    #[test]
+    fn the_host_writes_only_where_it_may() {
+        with_device(|device| {
+            let mut buffer = Buffer::new(device, "constants", 64, STORAGE, Memory::Upload).unwrap();
+            buffer.write(0, &[1u32; 16]).unwrap();
+            buffer.write(8, &[5u32, 6]).unwrap();
+            assert_eq!(buffer.read_vec::<u32>().unwrap()[..5], [1, 1, 5, 6, 1]);
+            assert!(buffer.write(60, &[0u64]).unwrap_err().to_string().contains("constants"));
+            let mut remote = Buffer::new(device, "remote", 64, STORAGE, Memory::Device).unwrap();
+            assert_eq!(remote.write(0, &[0u32]).is_err(), remote.mapped().is_none());
+        });
+    }
+
+    #[test]
+    fn a_buffer_too_large_to_bind_is_refused() {
+        with_device(|device| {
+            let size = device.limits().max_storage_buffer + 1;
+            let Err(error) = Buffer::new(device, "reservoirs", size, STORAGE, Memory::Device) else {
+                panic!("larger than a binding");
+            };
+            assert!(error.to_string().contains("reservoirs"), "{error}");
+        });
     }
 }

@@ -245,7 +245,17 @@ impl Device {
     }
 }
 
-pub(super) fn out_of_memory(what: &str, bytes: u64, location: MemoryLocation) -> Error {
+/// The error of a failed call that was to make a resource of `bytes`.
+pub(super) fn creation_error(result: vk::Result, what: &str, bytes: u64, location: MemoryLocation) -> Error {
+    match result {
+        vk::Result::ERROR_OUT_OF_DEVICE_MEMORY | vk::Result::ERROR_OUT_OF_HOST_MEMORY => {
+            out_of_memory(what, bytes, location)
+        }
+        _ => Error::Vulkan { what: format!("create {what}"), result },
+    }
+}
+
+fn out_of_memory(what: &str, bytes: u64, location: MemoryLocation) -> Error {
     let device = if location == MemoryLocation::GpuOnly { "the GPU" } else { "the host" };
     Error::OutOfMemory { what: what.into(), bytes, device }
 }
@@ -332,5 +342,69 @@ fn limits(instance: &ash::Instance, physical: &PhysicalDevice, anisotropy: bool)
         max_textures: textures.into_iter().min().unwrap_or(0),
         max_image_side: limits.max_image_dimension2_d,
         max_anisotropy: if anisotropy { limits.max_sampler_anisotropy } else { 1.0 },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::testing;
+    use super::*;
+    use crate::vulkan::{Buffer, Memory};
+
+    #[test]
+    fn a_device_comes_and_goes_cleanly() {
+        testing::with_device(|device| {
+            assert!(!device.info().name.is_empty());
+            assert!(device.limits().handle_size >= 16 && device.limits().max_textures >= 16);
+        });
+    }
+
+    #[test]
+    fn an_unknown_device_is_refused_by_name() {
+        let Some(device) = testing::device() else { return };
+        let wanted = Some("Voodoo 2".to_string());
+        let Err(error) = Device::new(&DeviceOptions { device: wanted, ..Default::default() }) else {
+            panic!("there is no such device");
+        };
+        let text = error.to_string();
+        assert!(text.contains("Voodoo 2") && text.contains(&device.info().name), "{text}");
+    }
+
+    #[test]
+    fn what_a_device_lacks_is_said() {
+        let Some(device) = testing::device() else { return };
+        let chosen = physical::choose(device.instance(), None, &[c"VK_XYZ_wishful_thinking"]);
+        let Err(error) = chosen else { panic!("there is no such extension") };
+        let text = error.to_string();
+        assert!(text.contains("VK_XYZ_wishful_thinking") && text.contains(&device.info().name), "{text}");
+    }
+
+    /// Planted error: the layer must be heard.
+    #[test]
+    fn validation_finds_a_copy_beyond_the_end() {
+        let Some(device) = testing::device() else { return };
+        let make =
+            || Buffer::new(&device, "short", 64, vk::BufferUsageFlags::empty(), Memory::Device).unwrap();
+        let (source, target) = (make(), make());
+        let recorded: Result<()> = device.submit_once("never", |cmd| {
+            let region = vk::BufferCopy::default().size(4096);
+            // SAFETY: not safe at all, but never submitted.
+            unsafe { device.cmd_copy_buffer(cmd, source.handle(), target.handle(), &[region]) };
+            Err(Error::Usage("not submitted".into()))
+        });
+        assert!(recorded.is_err());
+        assert!(device.validation_messages().iter().any(|m| m.contains("vkCmdCopyBuffer")));
+    }
+
+    #[test]
+    fn out_of_memory_names_the_resource() {
+        testing::with_device(|device| {
+            let usage = vk::BufferUsageFlags::empty();
+            let Err(error) = Buffer::new(device, "everything", 1 << 42, usage, Memory::Device) else {
+                panic!("4 TiB fit");
+            };
+            let text = error.to_string();
+            assert!(text.contains("everything") && text.contains("4398046511104"), "{text}");
+        });
     }
 }

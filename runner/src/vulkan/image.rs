@@ -2,7 +2,7 @@
 
 use super::Check;
 use super::commands::Scope;
-use super::device::Device;
+use super::device::{Device, creation_error};
 use crate::error::{Error, Result};
 use crate::scene::Wrap;
 use ash::vk;
@@ -65,9 +65,10 @@ impl Image {
             .array_layers(1)
             .samples(vk::SampleCountFlags::TYPE_1)
             .usage(usage);
+        let bytes = u64::from(width) * u64::from(height) * 4;
         // SAFETY: a valid create info; the handle is destroyed by `drop`.
-        let handle =
-            unsafe { device.create_image(&info, None) }.check(format_args!("create image '{name}'"))?;
+        let handle = unsafe { device.create_image(&info, None) }
+            .map_err(|e| creation_error(e, &format!("image '{name}'"), bytes, MemoryLocation::GpuOnly))?;
         let view = vk::ImageView::null();
         let mut image =
             Image { device: device.clone(), handle, view, allocation: None, width, height, levels };

@@ -6,6 +6,7 @@
 pub mod acceleration;
 pub mod buffer;
 pub mod commands;
+mod compaction;
 pub mod descriptors;
 pub mod device;
 pub mod image;

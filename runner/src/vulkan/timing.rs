@@ -87,3 +87,43 @@ impl Drop for Timestamps {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::{CommandRing, testing::with_device};
+    use super::*;
+
+    #[test]
+    fn a_counter_may_wrap() {
+        assert_eq!(elapsed(10, 25, 64), 15.0);
+        assert_eq!(elapsed(u64::MAX - 4, 5, 64), 10.0);
+        // Bits above the valid ones are undefined.
+        assert_eq!(elapsed(0xffff_fff0, 0xabc_0000_0010, 32), 32.0);
+    }
+
+    /// Frames in flight, each with its own timestamps.
+    #[test]
+    fn frames_are_timed() {
+        with_device(|device| {
+            let mut ring = CommandRing::new(device, 2).unwrap();
+            let mut times: Vec<_> = (0..2).map(|_| Timestamps::new(device, 2).unwrap()).collect();
+            for _ in 0..5 {
+                let frame = ring.begin().unwrap();
+                let times = &mut times[frame.slot()];
+                times.begin(frame.cmd());
+                for label in ["first", "second", "one too many"] {
+                    times.write(frame.cmd(), label);
+                }
+                frame.submit(&[], &[]).unwrap();
+            }
+            // One that is begun and given up.
+            ring.begin().unwrap();
+            ring.wait().unwrap();
+            for times in &times {
+                let Some(read) = times.read().unwrap() else { return };
+                assert_eq!(read.iter().map(|(label, _)| *label).collect::<Vec<_>>(), ["first", "second"]);
+                assert!(read.iter().all(|(_, ms)| (0.0..60_000.0).contains(ms)), "{read:?}");
+            }
+        });
+    }
+}

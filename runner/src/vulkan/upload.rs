@@ -138,3 +138,97 @@ impl Uploader {
         commands.wait("upload")
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::testing::with_device;
+    use super::*;
+
+    /// Texels of a mip level.
+    fn read_level(device: &Device, image: &Image, level: u32) -> Vec<u8> {
+        use vk::ImageLayout as Layout;
+        let (width, height) = ((image.size().0 >> level).max(1), (image.size().1 >> level).max(1));
+        let bytes = u64::from(width * height * 4);
+        let usage = vk::BufferUsageFlags::empty();
+        let target = Buffer::new(device, "level", bytes, usage, Memory::Readback).unwrap();
+        let subresource = vk::ImageSubresourceLayers::default()
+            .aspect_mask(vk::ImageAspectFlags::COLOR)
+            .mip_level(level)
+            .layer_count(1);
+        let region = vk::BufferImageCopy::default()
+            .image_subresource(subresource)
+            .image_extent(vk::Extent3D { width, height, depth: 1 });
+        let (sampled, source) = (Layout::SHADER_READ_ONLY_OPTIMAL, Layout::TRANSFER_SRC_OPTIMAL);
+        let copied = device.submit_once("read level", |cmd| {
+            image.transition(cmd, sampled, source);
+            // SAFETY: the level and the buffer have this size, and the image this layout.
+            unsafe {
+                device.cmd_copy_image_to_buffer(cmd, image.handle(), source, target.handle(), &[region])
+            };
+            image.transition(cmd, source, sampled);
+            Ok(())
+        });
+        copied.unwrap();
+        target.read_vec().unwrap()
+    }
+
+    /// Pieces larger and smaller than the staging memory, in one uploader.
+    #[test]
+    fn pieces_of_any_size_arrive() {
+        with_device(|device| {
+            let usage = vk::BufferUsageFlags::STORAGE_BUFFER;
+            let long: Vec<u16> = (0..1001).collect();
+            let texels: Vec<u8> = (0..40 * 6 * 4).map(|i| (i % 251) as u8).collect();
+            let mut uploader = Uploader::with_capacity(device, 64);
+            let short = uploader.buffer("short", &[1u8, 2, 3], usage).unwrap();
+            let long_buffer = uploader.buffer("long", &long, usage).unwrap();
+            let image = uploader.texture("wide", 40, 6, false, &texels).unwrap();
+            uploader.write(&long_buffer, 4, &[9u16]).unwrap();
+            uploader.finish().unwrap();
+            assert_eq!(short.read_vec::<u8>().unwrap(), [1, 2, 3]);
+            let back = long_buffer.read_vec::<u16>().unwrap();
+            assert_eq!((&back[..2], back[2], &back[3..]), (&long[..2], 9, &long[3..]));
+            assert_eq!((read_level(device, &image, 0), image.levels()), (texels, 6));
+        });
+    }
+
+    /// A checkerboard's mean is grey, in the space in which light adds: 188 in sRGB, 128 in linear texels.
+    #[test]
+    fn mips_average_light() {
+        with_device(|device| {
+            let checker =
+                |i: usize| if (i % 8 + i / 8).is_multiple_of(2) { [255; 4] } else { [0, 0, 0, 255] };
+            let texels: Vec<u8> = (0..64).flat_map(checker).collect();
+            for (srgb, grey) in [(true, 188), (false, 128)] {
+                let mut uploader = Uploader::new(device);
+                let image = uploader.texture("checker", 8, 8, srgb, &texels).unwrap();
+                uploader.finish().unwrap();
+                for level in 1..4 {
+                    for texel in read_level(device, &image, level).chunks(4) {
+                        assert!(texel[0].abs_diff(grey) <= 2 && texel[3] == 255, "level {level}: {texel:?}");
+                    }
+                }
+            }
+        });
+    }
+
+    #[test]
+    fn a_texture_of_the_wrong_size_is_refused() {
+        with_device(|device| {
+            let Err(error) = Uploader::new(device).texture("bricks", 2, 2, true, &[0; 15]) else {
+                panic!("15 bytes are no 2 x 2 RGBA8");
+            };
+            assert!(error.to_string().contains("bricks"), "{error}");
+        });
+    }
+
+    #[test]
+    fn an_unfinished_upload_is_forgotten() {
+        with_device(|device| {
+            let mut uploader = Uploader::new(device);
+            let buffer = uploader.buffer("lost", &[1u32; 4], vk::BufferUsageFlags::STORAGE_BUFFER).unwrap();
+            drop(uploader);
+            drop(buffer);
+        });
+    }
+}
