@@ -5,7 +5,9 @@ use candela::frame::passes;
 use candela::shader_library;
 use rspirv::spirv::{ExecutionModel, StorageClass};
 use shader_builder::manifest::{Manifest, Toolchain};
-use shared::interface::{HitPayload, PassConstants, ShadowPayload, WORKGROUP, frame_binding as frame, scene_binding as scene};
+use shared::interface::{
+    HitPayload, PassConstants, ShadowPayload, WORKGROUP, frame_binding as frame, scene_binding as scene,
+};
 use std::path::Path;
 use std::process::Command;
 use tests::spirv::{Layout, Spirv};
@@ -25,13 +27,14 @@ fn committed_shaders_are_made_from_these_sources() {
 #[test]
 fn a_stale_manifest_is_noticed() {
     let fresh = Manifest::read(workspace()).unwrap();
-    for tamper in [
-        |m: &mut Manifest| drop(m.sources.insert("shared/src/light.rs".into(), "0".into())),
+    let tampers: [fn(&mut Manifest); 5] = [
+        |m| drop(m.sources.insert("shared/src/light.rs".into(), "0".into())),
         |m| drop(m.sources.insert("shared/src/gone.rs".into(), "0".into())),
         |m| drop(m.dependencies.insert("glam".into(), "0.1".into())),
         |m| drop(m.modules.remove("shade")),
         |m| m.options.push('x'),
-    ] {
+    ];
+    for tamper in tampers {
         let mut manifest = fresh.clone();
         tamper(&mut manifest);
         assert_eq!(manifest.stale(workspace()).unwrap().len(), 1);
@@ -79,9 +82,12 @@ fn every_module_has_its_entry_point() {
 
 /// What a buffer's elements are made of, by its place. One letter a scalar, in memory order.
 fn element(set: u32, binding: u32) -> Option<(&'static str, usize)> {
-    use shared::{alias_table::AliasEntry, geometry::*, light::Light, material::Material, reservoir::StoredReservoir, surface::GBufferTexel};
+    use shared::{
+        alias_table::AliasEntry, geometry::*, light::Light, material::Material, reservoir::StoredReservoir,
+        surface::GBufferTexel,
+    };
     Some(match (set, binding) {
-        (scene::SET, scene::INSTANCES) => ("fffufffufffufffufffffffffuuu".trim(), size_of::<InstanceGeometry>()),
+        (scene::SET, scene::INSTANCES) => ("fffufffufffufffuffffffffffuu", size_of::<InstanceGeometry>()),
         (scene::SET, scene::POSITIONS) => ("fff", 12),
         (scene::SET, scene::ATTRIBUTES) => ("uuffu", size_of::<VertexAttributes>()),
         (scene::SET, scene::INDICES) => ("u", 4),
@@ -103,7 +109,8 @@ fn buffers_have_the_layout_of_their_structs() {
     for &(stem, code) in shader_library::MODULES {
         for ((set, binding), layout) in Spirv::parse(code).bindings() {
             let Some((scalars, size)) = element(set, binding) else { continue };
-            let layout = layout.unwrap_or_else(|| panic!("{stem}: set {set}, binding {binding} is no buffer"));
+            let layout =
+                layout.unwrap_or_else(|| panic!("{stem}: set {set}, binding {binding} is no buffer"));
             let expected = Layout { scalars: scalars.into(), dense: true, stride: Some(size as u32) };
             assert_eq!(layout, expected, "{stem}: set {set}, binding {binding}");
             assert_eq!(scalars.len() * 4, size, "the expectation itself");
@@ -116,7 +123,10 @@ fn frame_constants_have_one_layout() {
     let size = size_of::<shared::frame::FrameConstants>();
     for &(stem, code) in shader_library::MODULES {
         if let Some(Some(layout)) = Spirv::parse(code).bindings().remove(&(frame::SET, frame::CONSTANTS)) {
-            assert!(layout.dense && layout.scalars.len() * 4 == size, "{stem}: {layout:?} is not {size} bytes");
+            assert!(
+                layout.dense && layout.scalars.len() * 4 == size,
+                "{stem}: {layout:?} is not {size} bytes"
+            );
         }
     }
 }
@@ -140,7 +150,9 @@ fn payloads_and_push_constants_have_one_layout() {
     let hit = Layout { scalars: "uuuff".into(), dense: true, stride: None };
     let shadow = Layout { scalars: "u".into(), dense: true, stride: None };
     assert_eq!((size_of::<HitPayload>(), size_of::<ShadowPayload>()), (20, 4));
-    let incoming = |stem| Spirv::parse(shader_library::spirv(stem).unwrap()).layouts_of(StorageClass::IncomingRayPayloadNV);
+    let incoming = |stem| {
+        Spirv::parse(shader_library::spirv(stem).unwrap()).layouts_of(StorageClass::IncomingRayPayloadNV)
+    };
     assert_eq!(incoming("closest_hit"), [hit]);
     assert_eq!(incoming("shadow_miss"), [shadow]);
     for pass in passes::ALL {
@@ -152,7 +164,11 @@ fn payloads_and_push_constants_have_one_layout() {
         };
         assert_eq!(module.layouts_of(StorageClass::RayPayloadNV), expected, "{}", pass.stem);
         for constants in module.layouts_of(StorageClass::PushConstant) {
-            assert!(constants.dense && constants.scalars.len() * 4 == size_of::<PassConstants>(), "{}", pass.stem);
+            assert!(
+                constants.dense && constants.scalars.len() * 4 == size_of::<PassConstants>(),
+                "{}",
+                pass.stem
+            );
         }
         if pass.stage == Stage::Compute {
             assert_eq!(module.workgroup(), Some([WORKGROUP, WORKGROUP, 1]), "{}", pass.stem);

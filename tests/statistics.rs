@@ -44,7 +44,11 @@ fn cases() -> Vec<(&'static str, Settings, u32)> {
     let base = Settings { candidates: 8, radius: 8.0, temporal: 0, spatial: 0, ..Settings::default() };
     vec![
         ("RIS", base, 1),
-        ("RIS, two reservoirs, no visibility reuse", Settings { reservoirs: 2, visibility_reuse: 0, ..base }, 1),
+        (
+            "RIS, two reservoirs, no visibility reuse",
+            Settings { reservoirs: 2, visibility_reuse: 0, ..base },
+            1,
+        ),
         ("spatial", Settings { spatial: 1, ..base }, 1),
         ("temporal", Settings { temporal: 1, ..base }, 4),
         ("temporal and spatial", Settings { temporal: 1, spatial: 1, ..base }, 4),
@@ -66,7 +70,12 @@ fn reuse_has_the_mean_of_the_reference() {
         let means = replicas(|seed| restir(&mut renderer, camera, settings, frames, seed));
         let (z, block) = largest_z(&means, &truth);
         println!("{name}: largest z {z:.2} in block {block}");
-        assert!(z < Z_LIMIT, "{name}: block {block} is off by {z} standard errors: {:?} {:?}", means[block], truth[block]);
+        assert!(
+            z < Z_LIMIT,
+            "{name}: block {block} is off by {z} standard errors: {:?} {:?}",
+            means[block],
+            truth[block]
+        );
     }
     assert_no_validation_messages(device);
 }

@@ -28,11 +28,22 @@ pub fn format_of(path: &Path) -> Result<PictureFormat> {
 pub fn check_writable(path: &Path) -> Result<PictureFormat> {
     let format = format_of(path)?;
     let directory = path.parent().filter(|d| !d.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    std::fs::create_dir_all(directory)
-        .map_err(|source| Error::File { path: directory.into(), action: "create the folder", source })?;
+    std::fs::create_dir_all(directory).map_err(|source| Error::File {
+        path: directory.into(),
+        action: "create the folder",
+        source,
+    })?;
     let partial = partial(path);
-    std::fs::write(&partial, []).map_err(|source| Error::File { path: path.into(), action: "write", source })?;
-    std::fs::remove_file(&partial).map_err(|source| Error::File { path: path.into(), action: "write", source })?;
+    std::fs::write(&partial, []).map_err(|source| Error::File {
+        path: path.into(),
+        action: "write",
+        source,
+    })?;
+    std::fs::remove_file(&partial).map_err(|source| Error::File {
+        path: path.into(),
+        action: "write",
+        source,
+    })?;
     Ok(format)
 }
 
@@ -50,7 +61,8 @@ pub fn write_png(path: &Path, size: UVec2, display: &[u32]) -> Result<()> {
 
 /// Writes radiance (nit, linear RGB, rows from the top).
 pub fn write_exr(path: &Path, size: UVec2, radiance: &[Vec3]) -> Result<()> {
-    let picture = Rgb32FImage::from_fn(size.x, size.y, |x, y| Rgb(radiance[(y * size.x + x) as usize].to_array()));
+    let picture =
+        Rgb32FImage::from_fn(size.x, size.y, |x, y| Rgb(radiance[(y * size.x + x) as usize].to_array()));
     let mut encoded = Cursor::new(Vec::new());
     picture.write_to(&mut encoded, ImageFormat::OpenExr).map_err(|e| encoding(path, e))?;
     replace(path, encoded.get_ref())

@@ -13,15 +13,16 @@ use std::sync::OnceLock;
 /// The device, under validation; none only where `CANDELA_ALLOW_NO_GPU=1` allows a machine without one.
 pub fn device() -> Option<&'static Device> {
     static DEVICE: OnceLock<Option<Device>> = OnceLock::new();
-    DEVICE.get_or_init(|| match Device::new(&DeviceOptions { validate: true, ..DeviceOptions::default() }) {
-        Ok(device) => Some(device),
-        Err(error) if std::env::var("CANDELA_ALLOW_NO_GPU").as_deref() == Ok("1") => {
-            eprintln!("skipped: {error}");
-            None
-        }
-        Err(error) => panic!("{error} (CANDELA_ALLOW_NO_GPU=1 skips these tests)"),
-    })
-    .as_ref()
+    DEVICE
+        .get_or_init(|| match Device::new(&DeviceOptions { validate: true, ..DeviceOptions::default() }) {
+            Ok(device) => Some(device),
+            Err(error) if std::env::var("CANDELA_ALLOW_NO_GPU").as_deref() == Ok("1") => {
+                eprintln!("skipped: {error}");
+                None
+            }
+            Err(error) => panic!("{error} (CANDELA_ALLOW_NO_GPU=1 skips these tests)"),
+        })
+        .as_ref()
 }
 
 /// Fails on any message of the validation layer.
@@ -41,7 +42,13 @@ fn options(work: Work, seed: u32) -> FrameOptions {
 }
 
 /// Radiance of the last of `frames` ReSTIR frames of a still camera, from a fresh history.
-pub fn restir(renderer: &mut Renderer, camera: Camera, settings: Settings, frames: u32, seed: u32) -> Vec<Vec3> {
+pub fn restir(
+    renderer: &mut Renderer,
+    camera: Camera,
+    settings: Settings,
+    frames: u32,
+    seed: u32,
+) -> Vec<Vec3> {
     renderer.restart();
     for _ in 0..frames {
         renderer.render(camera, &options(Work::Restir(settings), seed)).expect("the frame renders");

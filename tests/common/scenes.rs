@@ -26,7 +26,11 @@ pub fn square(center: Vec3, u: Vec3, v: Vec3, material: usize) -> Primitive {
 }
 
 /// A floor of 20 m x 20 m at y = 0, and what else is given.
-pub fn scene(others: Vec<Primitive>, mut materials: Vec<Material>, lights: Vec<PointLight>) -> SceneDescription {
+pub fn scene(
+    others: Vec<Primitive>,
+    mut materials: Vec<Material>,
+    lights: Vec<PointLight>,
+) -> SceneDescription {
     let floor = Material { base_color: FLOOR.extend(1.0), name: "floor".into(), ..Material::default() };
     materials.insert(0, floor);
     let mut primitives = vec![square(Vec3::ZERO, Vec3::Z * 10.0, Vec3::X * 10.0, 0)];
@@ -49,7 +53,8 @@ pub fn emitter(radiance: Vec3) -> Material {
 /// The point of the floor that the middle of `pixel` sees, in f64; none above the horizon.
 pub fn floor_point(camera: &Camera, pixel: UVec2, size: UVec2) -> Option<DVec3> {
     let ndc = (pixel.as_dvec2() + 0.5) / size.as_dvec2() * 2.0 - 1.0;
-    let direction = camera.forward.as_dvec3() + ndc.x * camera.right.as_dvec3() - ndc.y * camera.up.as_dvec3();
+    let direction =
+        camera.forward.as_dvec3() + ndc.x * camera.right.as_dvec3() - ndc.y * camera.up.as_dvec3();
     let eye = camera.position.as_dvec3();
     let t = -eye.y / direction.y;
     let point = eye + t * direction;

@@ -41,7 +41,9 @@ impl Spirv {
 
     /// (set, binding) -> layout of what is bound there; none for images and acceleration structures.
     pub fn bindings(&self) -> BTreeMap<(u32, u32), Option<Layout>> {
-        let place = |v: &Instruction| Some((self.decoration(v, Decoration::DescriptorSet)?, self.decoration(v, Decoration::Binding)?));
+        let place = |v: &Instruction| {
+            Some((self.decoration(v, Decoration::DescriptorSet)?, self.decoration(v, Decoration::Binding)?))
+        };
         let pointee = |v: &Instruction| self.pointee(v.result_type.expect("typed variable"));
         self.variables().filter_map(|v| Some((place(v)?, self.buffer_layout(pointee(v))))).collect()
     }
@@ -49,7 +51,8 @@ impl Spirv {
     /// Layouts of the variables in `class` (payloads, push constants).
     pub fn layouts_of(&self, class: StorageClass) -> Vec<Layout> {
         let in_class = |v: &&Instruction| v.operands[0] == Operand::StorageClass(class);
-        let layout = |v: &Instruction| self.layout(self.pointee(v.result_type.expect("typed variable")), None);
+        let layout =
+            |v: &Instruction| self.layout(self.pointee(v.result_type.expect("typed variable")), None);
         self.variables().filter(in_class).map(layout).collect()
     }
 
@@ -60,7 +63,9 @@ impl Spirv {
     fn decoration(&self, of: &Instruction, decoration: Decoration) -> Option<u32> {
         let id = Operand::IdRef(of.result_id?);
         let found = self.0.annotations.iter().find(|i| {
-            i.class.opcode == Op::Decorate && i.operands[0] == id && i.operands[1] == Operand::Decoration(decoration)
+            i.class.opcode == Op::Decorate
+                && i.operands[0] == id
+                && i.operands[1] == Operand::Decoration(decoration)
         })?;
         found.operands.get(2).map(literal)
     }
@@ -122,7 +127,11 @@ impl Spirv {
     }
 
     fn member_offset(&self, ty: &Instruction, member: u32) -> Option<u32> {
-        let wanted = [Operand::IdRef(ty.result_id?), Operand::LiteralBit32(member), Operand::Decoration(Decoration::Offset)];
+        let wanted = [
+            Operand::IdRef(ty.result_id?),
+            Operand::LiteralBit32(member),
+            Operand::Decoration(Decoration::Offset),
+        ];
         let found = self
             .0
             .annotations

@@ -167,7 +167,11 @@ const DEFAULT_LIGHTS: usize = 500;
 
 impl SceneArgs {
     pub fn source(&self) -> SceneSource {
-        if self.scene.as_os_str() == "atrium" { SceneSource::Atrium } else { SceneSource::File(self.scene.clone()) }
+        if self.scene.as_os_str() == "atrium" {
+            SceneSource::Atrium
+        } else {
+            SceneSource::File(self.scene.clone())
+        }
     }
 
     pub fn light_count(&self) -> usize {
@@ -208,7 +212,10 @@ fn parse_size(text: &str) -> Result<UVec2, String> {
 }
 
 fn positive(text: &str) -> Result<f32, String> {
-    text.parse().ok().filter(|x: &f32| x.is_finite() && *x > 0.0).ok_or_else(|| "expected a number above 0".into())
+    text.parse()
+        .ok()
+        .filter(|x: &f32| x.is_finite() && *x > 0.0)
+        .ok_or_else(|| "expected a number above 0".into())
 }
 
 /// `x,y,z,tx,ty,tz[,fov]` as (position, target, fov in degrees), or none if it is no list of numbers.
@@ -241,7 +248,10 @@ mod tests {
     fn defaults_are_the_settings_defaults() {
         let settings = render("-o a.png").unwrap().knobs.settings();
         assert!((settings.normal_threshold - Settings::default().normal_threshold).abs() < 1e-3);
-        assert_eq!(Settings { normal_threshold: 0.0, ..settings }, Settings { normal_threshold: 0.0, ..Settings::default() });
+        assert_eq!(
+            Settings { normal_threshold: 0.0, ..settings },
+            Settings { normal_threshold: 0.0, ..Settings::default() }
+        );
     }
 
     #[test]
@@ -259,8 +269,17 @@ mod tests {
 
     #[test]
     fn nonsense_is_refused() {
-        for line in ["", "-o a.png --size 64", "-o a.png --size 0x5", "-o a.png --candidates 0", "-o a.png --candidates 2000",
-            "-o a.png --radius nan", "-o a.png --radius -1", "-o a.png --mode magic", "a.glb 5 --lights 6 -o a.png"] {
+        for line in [
+            "",
+            "-o a.png --size 64",
+            "-o a.png --size 0x5",
+            "-o a.png --candidates 0",
+            "-o a.png --candidates 2000",
+            "-o a.png --radius nan",
+            "-o a.png --radius -1",
+            "-o a.png --mode magic",
+            "a.glb 5 --lights 6 -o a.png",
+        ] {
             assert!(render(line).is_err(), "{line}");
         }
     }

@@ -28,6 +28,8 @@ pub fn check_validation(device: &Device) -> Result<()> {
     let messages = device.validation_messages();
     match messages.first() {
         None => Ok(()),
-        Some(first) => Err(Error::Usage(format!("{} validation messages, the first: {first}", messages.len()))),
+        Some(first) => {
+            Err(Error::Usage(format!("{} validation messages, the first: {first}", messages.len())))
+        }
     }
 }

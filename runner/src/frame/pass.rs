@@ -101,10 +101,10 @@ pub fn barriers(steps: &[Step]) -> Vec<bool> {
     let mut read: Vec<BufferId> = Vec::new();
     let mut waits = Vec::with_capacity(steps.len());
     for step in steps {
-        let accesses = || step.pass.uses.iter().zip(&step.buffers).map(|(&(_, access), &buffer)| (access, buffer));
-        let hazard = accesses().any(|(access, buffer)| {
-            written.contains(&buffer) || access.writes() && read.contains(&buffer)
-        });
+        let accesses =
+            || step.pass.uses.iter().zip(&step.buffers).map(|(&(_, access), &buffer)| (access, buffer));
+        let hazard = accesses()
+            .any(|(access, buffer)| written.contains(&buffer) || access.writes() && read.contains(&buffer));
         // The first step waits for the frame before it, whatever that did.
         let wait = hazard || waits.is_empty();
         if wait {
@@ -123,8 +123,12 @@ pub fn barriers(steps: &[Step]) -> Vec<bool> {
 mod tests {
     use super::*;
 
-    const PRODUCE: Pass =
-        Pass { stem: "produce", stage: Stage::Compute, uses: &[(Role::GBuffer, Access::Write)], extent: Extent::Pixels };
+    const PRODUCE: Pass = Pass {
+        stem: "produce",
+        stage: Stage::Compute,
+        uses: &[(Role::GBuffer, Access::Write)],
+        extent: Extent::Pixels,
+    };
     const CONSUME: Pass = Pass {
         stem: "consume",
         stage: Stage::Compute,

@@ -4,7 +4,8 @@ use super::pass::{Extent, Pass, Rays, Role, Stage};
 use crate::error::{Error, Result};
 use crate::shader_library;
 use crate::vulkan::{
-    Binding, ComputePipeline, Device, HitGroup, Interface, Pipeline, RayPipeline, RayPipelineDesc, SetLayout, Shader,
+    Binding, ComputePipeline, Device, HitGroup, Interface, Pipeline, RayPipeline, RayPipelineDesc, SetLayout,
+    Shader,
 };
 use ash::vk;
 use glam::UVec2;
@@ -77,10 +78,8 @@ impl Pipelines {
         let misses = [Code::load("primary_miss")?, Code::load("shadow_miss")?];
         let closest_hit = Code::load("closest_hit")?;
         // Shadow rays run no hit shader, but their table still needs a record.
-        let hit = HitGroup {
-            closest_hit: (rays == Rays::Primary).then(|| closest_hit.shader()),
-            any_hit: None,
-        };
+        let hit =
+            HitGroup { closest_hit: (rays == Rays::Primary).then(|| closest_hit.shader()), any_hit: None };
         let desc = RayPipelineDesc {
             name: pass.stem,
             raygen: code.shader(),
@@ -114,7 +113,13 @@ impl PassPipeline {
     }
 
     /// Launches `pass` over a picture of `size`.
-    pub fn launch(&self, cmd: vk::CommandBuffer, pass: &Pass, size: UVec2, settings: &Settings) -> Result<()> {
+    pub fn launch(
+        &self,
+        cmd: vk::CommandBuffer,
+        pass: &Pass,
+        size: UVec2,
+        settings: &Settings,
+    ) -> Result<()> {
         let depth = match pass.extent {
             Extent::Pixels => 1,
             Extent::Reservoirs => settings.reservoirs,
@@ -141,7 +146,9 @@ fn frame_layout(device: &Device) -> Result<SetLayout> {
         Role::Radiance,
         Role::Display,
     ];
-    let mut bindings = vec![Binding::one(frame_binding::CONSTANTS, vk::DescriptorType::UNIFORM_BUFFER, stages)];
-    bindings.extend(ROLES.map(|role| Binding::one(role.binding(), vk::DescriptorType::STORAGE_BUFFER, stages)));
+    let mut bindings =
+        vec![Binding::one(frame_binding::CONSTANTS, vk::DescriptorType::UNIFORM_BUFFER, stages)];
+    bindings
+        .extend(ROLES.map(|role| Binding::one(role.binding(), vk::DescriptorType::STORAGE_BUFFER, stages)));
     SetLayout::for_push(device, "frame", &bindings)
 }

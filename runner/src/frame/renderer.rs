@@ -95,7 +95,9 @@ impl Renderer {
         };
         if settings.reservoirs > self.reservoirs {
             let (asked, has) = (settings.reservoirs, self.reservoirs);
-            return Err(Error::Usage(format!("{asked} reservoirs a pixel asked of a renderer made for {has}")));
+            return Err(Error::Usage(format!(
+                "{asked} reservoirs a pixel asked of a renderer made for {has}"
+            )));
         }
         let constants = FrameConstants {
             camera,

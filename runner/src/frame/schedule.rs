@@ -106,7 +106,8 @@ mod tests {
     fn every_pass_reads_what_the_pass_before_it_wrote() {
         for iterations in 1..=4 {
             for (temporal, spatial) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
-                let settings = Settings { temporal, spatial, spatial_iterations: iterations, ..Default::default() };
+                let settings =
+                    Settings { temporal, spatial, spatial_iterations: iterations, ..Default::default() };
                 follow(&Work::Restir(settings));
             }
         }
@@ -122,7 +123,9 @@ mod tests {
                 for (&(role, access), buffer) in step.pass.uses.iter().zip(&step.buffers) {
                     let found = content.get(buffer).copied();
                     match role {
-                        Role::GBuffer if access == Access::Read => assert_eq!(found, Some((frame, "gbuffer"))),
+                        Role::GBuffer if access == Access::Read => {
+                            assert_eq!(found, Some((frame, "gbuffer")))
+                        }
                         Role::PreviousGBuffer if frame > 0 => assert_eq!(found, Some((frame - 1, "gbuffer"))),
                         Role::ReservoirsIn => assert_eq!(found, Some((frame, last_reservoirs))),
                         Role::ReservoirsHistory if frame > 0 => {
@@ -134,7 +137,8 @@ mod tests {
                 for (&(role, access), buffer) in step.pass.uses.iter().zip(&step.buffers) {
                     if access != Access::Read {
                         content.insert(*buffer, (frame, step.pass.stem));
-                        last_reservoirs = if role == Role::ReservoirsOut { step.pass.stem } else { last_reservoirs };
+                        last_reservoirs =
+                            if role == Role::ReservoirsOut { step.pass.stem } else { last_reservoirs };
                     }
                 }
             }
@@ -156,7 +160,8 @@ mod tests {
         for lights in [0, 1, 63, 64, 65, 500] {
             let (steps, _) = schedule(&Work::Reference { lights }, Rotation::default());
             let ranges = steps.iter().filter(|s| s.pass.stem == "reference").map(|s| s.constants);
-            let covered: Vec<u32> = ranges.flat_map(|c| c.first_light..c.first_light + c.light_count).collect();
+            let covered: Vec<u32> =
+                ranges.flat_map(|c| c.first_light..c.first_light + c.light_count).collect();
             assert_eq!(covered, (0..lights).collect::<Vec<_>>());
         }
     }

@@ -7,7 +7,8 @@ use crate::scene::lights::LightTable;
 use crate::scene::{Image as SceneImage, SceneDescription};
 use crate::vulkan::acceleration::BUILD_INPUT;
 use crate::vulkan::{
-    Binding, BlasGeometry, BlasSet, Buffer, DescriptorSet, Device, Image, SetLayout, Tlas, TlasInstance, Uploader,
+    Binding, BlasGeometry, BlasSet, Buffer, DescriptorSet, Device, Image, SetLayout, Tlas, TlasInstance,
+    Uploader,
 };
 use arrays::SceneArrays;
 use ash::vk;
@@ -52,7 +53,12 @@ impl GpuScene {
 
         let blas = BlasSet::build(device, &geometries(&arrays, &buffers[1].1, &buffers[3].1))?;
         let tlas = Tlas::build(device, &blas, &tlas_instances(scene, &arrays))?;
-        let set = DescriptorSet::new(device, "scene", &set_layout(device, views.len() as u32)?, views.len() as u32)?;
+        let set = DescriptorSet::new(
+            device,
+            "scene",
+            &set_layout(device, views.len() as u32)?,
+            views.len() as u32,
+        )?;
         set.bind_tlas(scene_binding::TLAS, &tlas);
         for (binding, buffer) in &buffers {
             set.bind_storage_buffer(*binding, buffer);
@@ -95,8 +101,11 @@ impl GpuScene {
 fn set_layout(device: &Device, textures: u32) -> Result<SetLayout> {
     use vk::ShaderStageFlags as Stage;
     let stages = Stage::RAYGEN_KHR | Stage::COMPUTE;
-    let mut bindings =
-        vec![Binding::one(scene_binding::TLAS, vk::DescriptorType::ACCELERATION_STRUCTURE_KHR, Stage::RAYGEN_KHR)];
+    let mut bindings = vec![Binding::one(
+        scene_binding::TLAS,
+        vk::DescriptorType::ACCELERATION_STRUCTURE_KHR,
+        Stage::RAYGEN_KHR,
+    )];
     for binding in scene_binding::INSTANCES..scene_binding::TEXTURES {
         bindings.push(Binding::one(binding, vk::DescriptorType::STORAGE_BUFFER, stages));
     }
@@ -136,7 +145,11 @@ fn rows(transform: &Affine3A) -> [f32; 12] {
 type View = (vk::ImageView, vk::Sampler);
 
 /// One device image for each way an image is read (sRGB or linear), one view and sampler a texture.
-fn upload_textures(device: &Device, upload: &mut Uploader, scene: &SceneDescription) -> Result<(Vec<Image>, Vec<View>)> {
+fn upload_textures(
+    device: &Device,
+    upload: &mut Uploader,
+    scene: &SceneDescription,
+) -> Result<(Vec<Image>, Vec<View>)> {
     let mut images = Vec::new();
     let mut known: HashMap<(*const SceneImage, bool), usize> = HashMap::new();
     let mut views = Vec::with_capacity(scene.textures.len());
@@ -146,7 +159,13 @@ fn upload_textures(device: &Device, upload: &mut Uploader, scene: &SceneDescript
             Some(&index) => index,
             None => {
                 let image = &texture.image;
-                images.push(upload.texture(&image.name, image.width, image.height, texture.srgb, &image.texels)?);
+                images.push(upload.texture(
+                    &image.name,
+                    image.width,
+                    image.height,
+                    texture.srgb,
+                    &image.texels,
+                )?);
                 known.insert(key, images.len() - 1);
                 images.len() - 1
             }

@@ -1,2 +1,4 @@
 //! (to come)
-pub fn atrium(_lights: usize) -> super::SceneDescription { super::SceneDescription::default() }
+pub fn atrium(_lights: usize) -> super::SceneDescription {
+    super::SceneDescription::default()
+}

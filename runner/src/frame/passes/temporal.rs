@@ -5,6 +5,11 @@ use crate::frame::pass::{Access, Extent, Pass, Role, Stage};
 pub const PASS: Pass = Pass {
     stem: "temporal",
     stage: Stage::Compute,
-    uses: &[(Role::GBuffer, Access::Read), (Role::PreviousGBuffer, Access::Read), (Role::ReservoirsOut, Access::ReadWrite), (Role::ReservoirsHistory, Access::Read)],
+    uses: &[
+        (Role::GBuffer, Access::Read),
+        (Role::PreviousGBuffer, Access::Read),
+        (Role::ReservoirsOut, Access::ReadWrite),
+        (Role::ReservoirsHistory, Access::Read),
+    ],
     extent: Extent::Reservoirs,
 };
