@@ -11,14 +11,18 @@ pub enum Error {
     #[error("{}: can't {action}: {source}", path.display())]
     File { path: PathBuf, action: &'static str, source: std::io::Error },
 
-    #[error("no Vulkan loader (libvulkan.so.1): {0}; install your GPU's driver, or `cargo xtask setup` for the software one")]
+    #[error(
+        "no Vulkan loader (libvulkan.so.1): {0}; install your GPU's driver, or `cargo xtask setup` for the software one"
+    )]
     NoLoader(String),
 
     /// `seen`: one line a device, with what it lacks.
     #[error("no Vulkan device can trace rays{}; `cargo xtask setup` installs a software one", seen_devices(.seen))]
     NoDevice { seen: Vec<String> },
 
-    #[error("out of memory: {what} needs {bytes} bytes ({device} has no more); use a smaller --size or scene")]
+    #[error(
+        "out of memory: {what} needs {bytes} bytes ({device} has no more); use a smaller --size or scene"
+    )]
     OutOfMemory { what: String, bytes: u64, device: &'static str },
 
     #[error("device lost in pass '{0}': the GPU was reset or the driver failed")]

@@ -49,8 +49,9 @@ pub fn build(weights: &[f64]) -> Vec<AliasEntry> {
     // Scaled so that a column holds 1: what is below 1 is topped up by what is above (Vose 1991).
     let mut scaled: Vec<f64> = (0..n).map(|i| weight(i) / total * n as f64).collect();
     let (mut small, mut large): (Vec<u32>, Vec<u32>) = (0..n as u32).partition(|&i| scaled[i as usize] < 1.0);
-    let mut table: Vec<AliasEntry> =
-        (0..n as u32).map(|i| AliasEntry { threshold: u32::MAX, alias: i, pmf: 0.0, alias_pmf: 0.0 }).collect();
+    let mut table: Vec<AliasEntry> = (0..n as u32)
+        .map(|i| AliasEntry { threshold: u32::MAX, alias: i, pmf: 0.0, alias_pmf: 0.0 })
+        .collect();
     while let (Some(&low), Some(&high)) = (small.last(), large.last()) {
         small.pop();
         table[low as usize].threshold = tickets(scaled[low as usize]);
@@ -144,7 +145,11 @@ mod tests {
             }
             for entry in &table {
                 let m = mass[entry.alias as usize];
-                assert!((f64::from(entry.alias_pmf) - m).abs() <= 6e-8 * m, "mass beside alias {}", entry.alias);
+                assert!(
+                    (f64::from(entry.alias_pmf) - m).abs() <= 6e-8 * m,
+                    "mass beside alias {}",
+                    entry.alias
+                );
             }
         }
     }

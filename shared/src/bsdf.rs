@@ -90,9 +90,16 @@ mod tests {
         for i in 0..2000 {
             let t = i as f32 / 2000.0;
             let (wo, wi) = (direction(0.02 + 0.97 * t, 7.0 * t), direction(0.99 - 0.9 * t, -11.0 * t));
-            let r = Reflectance::from_metallic_roughness(Vec3::new(0.9, 0.4, 0.1), (t * 3.0) % 1.0, 0.1 + 0.9 * t);
+            let r = Reflectance::from_metallic_roughness(
+                Vec3::new(0.9, 0.4, 0.1),
+                (t * 3.0) % 1.0,
+                0.1 + 0.9 * t,
+            );
             let (ours, exact) = (eval(&r, Vec3::Z, wo, wi).as_dvec3(), specification(&r, Vec3::Z, wo, wi));
-            assert!((ours - exact).abs().max_element() <= 1e-4 * exact.max_element(), "{ours} is not {exact} at {t}");
+            assert!(
+                (ours - exact).abs().max_element() <= 1e-4 * exact.max_element(),
+                "{ours} is not {exact} at {t}"
+            );
         }
     }
 

@@ -114,7 +114,9 @@ impl InstanceGeometry {
             tangent: normalize_or(self.direction_to_world(tangent), Vec3::X),
             tangent_sign: tangent_sign * self.handedness,
             uv: a[0].uv * weights.x + a[1].uv * weights.y + a[2].uv * weights.z,
-            color: color(a[0].color) * weights.x + color(a[1].color) * weights.y + color(a[2].color) * weights.z,
+            color: color(a[0].color) * weights.x
+                + color(a[1].color) * weights.y
+                + color(a[2].color) * weights.z,
         }
     }
 }
@@ -139,7 +141,13 @@ impl SurfacePoint {
 #[cfg(not(target_arch = "spirv"))]
 impl InstanceGeometry {
     /// A primitive under `transform` (object to world); indices as in the fields.
-    pub fn new(transform: glam::Affine3A, first_index: u32, first_vertex: u32, material: u32, first_light: u32) -> Self {
+    pub fn new(
+        transform: glam::Affine3A,
+        first_index: u32,
+        first_vertex: u32,
+        material: u32,
+        first_light: u32,
+    ) -> Self {
         let m = transform.matrix3.as_dmat3();
         let determinant = m.determinant();
         // The cofactor matrix is the inverse transpose times the determinant; it also exists for flat transforms.
@@ -179,7 +187,11 @@ mod tests {
         };
         Triangle {
             positions: [Vec3::ZERO, Vec3::X, Vec3::Y],
-            attributes: [attributes(Vec2::ZERO, 0xff), attributes(Vec2::X, 0xff00), attributes(Vec2::Y, 0xff0000)],
+            attributes: [
+                attributes(Vec2::ZERO, 0xff),
+                attributes(Vec2::X, 0xff00),
+                attributes(Vec2::Y, 0xff0000),
+            ],
         }
     }
 
@@ -196,9 +208,12 @@ mod tests {
             Quat::from_rotation_x(core::f32::consts::FRAC_PI_2),
             Vec3::new(5.0, 0.0, 0.0),
         );
-        let point = InstanceGeometry::new(transform, 0, 0, 0, NO_LIGHT).surface_point(triangle(), Vec2::new(0.25, 0.5));
+        let point = InstanceGeometry::new(transform, 0, 0, 0, NO_LIGHT)
+            .surface_point(triangle(), Vec2::new(0.25, 0.5));
         assert!((point.position - Vec3::new(5.5, 0.0, 1.5)).length() < 1e-5);
-        assert!((point.normal + Vec3::Y).length() < 1e-3 && (point.geometric_normal + Vec3::Y).length() < 1e-6);
+        assert!(
+            (point.normal + Vec3::Y).length() < 1e-3 && (point.geometric_normal + Vec3::Y).length() < 1e-6
+        );
         assert!((point.uv - Vec2::new(0.25, 0.5)).length() < 1e-6);
         assert!((point.color - Vec3::new(0.25, 0.25, 0.5)).length() < 1e-6);
     }
@@ -207,7 +222,8 @@ mod tests {
     #[test]
     fn mirrors_keep_normals_outward() {
         let transform = Affine3A::from_scale(Vec3::new(-1.0, 1.0, 1.0));
-        let point = InstanceGeometry::new(transform, 0, 0, 0, NO_LIGHT).surface_point(triangle(), Vec2::splat(0.3));
+        let point =
+            InstanceGeometry::new(transform, 0, 0, 0, NO_LIGHT).surface_point(triangle(), Vec2::splat(0.3));
         assert!(point.geometric_normal.dot(Vec3::Z) > 0.999 && point.normal.dot(Vec3::Z) > 0.999);
         let bumped = point.mapped_normal(Vec3::new(0.5, 1.0, 0.5), 1.0);
         assert!((bumped - Vec3::Y).length() < 1e-3, "green points along +v's bitangent: {bumped}");
@@ -217,7 +233,8 @@ mod tests {
     fn normals_follow_non_uniform_scale() {
         // A 45° slope squashed to half its height.
         let slope = Vec3::new(1.0, 1.0, 0.0).normalize();
-        let geometry = InstanceGeometry::new(Affine3A::from_scale(Vec3::new(1.0, 0.5, 1.0)), 0, 0, 0, NO_LIGHT);
+        let geometry =
+            InstanceGeometry::new(Affine3A::from_scale(Vec3::new(1.0, 0.5, 1.0)), 0, 0, 0, NO_LIGHT);
         let turned = geometry.normal_to_world(slope).normalize();
         assert!((turned - Vec3::new(0.5, 1.0, 0.0).normalize()).length() < 1e-6);
         let flat = InstanceGeometry::new(Affine3A::from_scale(Vec3::new(1.0, 0.0, 1.0)), 0, 0, 0, NO_LIGHT);

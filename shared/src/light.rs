@@ -255,7 +255,8 @@ mod tests {
     #[test]
     fn sampled_triangle_gives_lamberts_irradiance() {
         let light = triangle(true);
-        let corners = [light.position, light.position + light.edge1, light.position + light.edge2].map(|v| v.as_dvec3());
+        let corners = [light.position, light.position + light.edge1, light.position + light.edge2]
+            .map(|v| v.as_dvec3());
         let exact: f64 = (0..3)
             .map(|i| {
                 let (a, b) = (corners[i].normalize(), corners[(i + 1) % 3].normalize());
@@ -270,7 +271,8 @@ mod tests {
         for i in 0..n * n {
             let square = Vec2::new((i % n) as f32 + 0.5, (i / n) as f32 + 0.5) / n as f32;
             let incident = light.sample_li(square, Vec3::ZERO);
-            sum += f64::from(incident.irradiance.x * incident.direction.y / light.pdf_li().0) / f64::from(n * n);
+            sum +=
+                f64::from(incident.irradiance.x * incident.direction.y / light.pdf_li().0) / f64::from(n * n);
         }
         assert!((sum / exact - 1.0).abs() < 1e-4, "quadrature {sum}, Lambert {exact}");
     }

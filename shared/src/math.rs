@@ -119,7 +119,8 @@ mod tests {
             let r = (1.0 - z * z).sqrt();
             Vec3::new(r * phi.cos(), r * phi.sin(), z)
         });
-        let corners = (0..27).map(|i| Vec3::new((i % 3) as f32, (i / 3 % 3) as f32, (i / 9) as f32) - Vec3::ONE);
+        let corners =
+            (0..27).map(|i| Vec3::new((i % 3) as f32, (i / 3 % 3) as f32, (i / 9) as f32) - Vec3::ONE);
         spiral.chain(corners.filter(|c| *c != Vec3::ZERO).map(Vec3::normalize))
     }
 
@@ -169,7 +170,10 @@ mod tests {
                     let moved = offset_coordinate(p, n, magnitude) - p;
                     let scale = p.abs().max(magnitude).max(1.0 / 32.0);
                     assert!(moved * n > 0.0, "{p} + {n} at {magnitude} did not move outward: {moved}");
-                    assert!(moved.abs() <= scale * n.abs() / 32767.0 * 1.01 + scale * f32::EPSILON, "{p} {n}: {moved}");
+                    assert!(
+                        moved.abs() <= scale * n.abs() / 32767.0 * 1.01 + scale * f32::EPSILON,
+                        "{p} {n}: {moved}"
+                    );
                 }
             }
         }

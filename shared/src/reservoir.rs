@@ -32,7 +32,14 @@ impl Reservoir {
     /// Shows the reservoir one candidate that stands for `confidence` others and weighs `resampling_weight`; `u` in [0, 1).
     /// Tells whether it became the survivor, which happens with probability w / Σw. A weight that is no positive
     /// finite number counts as 0.
-    pub fn add(&mut self, sample: LightSample, target: f32, resampling_weight: f32, confidence: f32, u: f32) -> bool {
+    pub fn add(
+        &mut self,
+        sample: LightSample,
+        target: f32,
+        resampling_weight: f32,
+        confidence: f32,
+        u: f32,
+    ) -> bool {
         self.confidence += confidence;
         // False for NaN too; f32::MAX keeps the sum of few weights finite.
         if !(resampling_weight > 0.0 && resampling_weight < 1e35) {
@@ -88,7 +95,11 @@ mod tests {
 
     fn chi2(counts: &[u32], mass: &[f64]) -> f64 {
         let n: u32 = counts.iter().sum();
-        counts.iter().zip(mass).map(|(&c, m)| (f64::from(c) - m * f64::from(n)).powi(2) / (m * f64::from(n))).sum()
+        counts
+            .iter()
+            .zip(mass)
+            .map(|(&c, m)| (f64::from(c) - m * f64::from(n)).powi(2) / (m * f64::from(n)))
+            .sum()
     }
 
     /// Survivors follow w_i / Σw. Chi-square with 4 degrees of freedom, false alarm 1e-4 (fixed seed); the planted

@@ -58,7 +58,8 @@ impl Rng {
 
     /// Four independent 32-bit numbers.
     pub fn next_u32x4(&mut self) -> UVec4 {
-        let bits = pcg4d(UVec4::new(self.key.x, self.key.y, self.key.z, self.key.w.wrapping_add(self.counter)));
+        let bits =
+            pcg4d(UVec4::new(self.key.x, self.key.y, self.key.z, self.key.w.wrapping_add(self.counter)));
         self.counter = self.counter.wrapping_add(1);
         bits
     }
@@ -119,7 +120,10 @@ mod tests {
                     for lane in 0..4 {
                         let mut rng = Rng::new(UVec2::new(pixel, pixel / 2), frame, 0, stream, lane);
                         for _ in 0..4 {
-                            assert!(seen.insert(rng.next_u32x4().to_array()), "repeated at pixel {pixel}, frame {frame}");
+                            assert!(
+                                seen.insert(rng.next_u32x4().to_array()),
+                                "repeated at pixel {pixel}, frame {frame}"
+                            );
                         }
                     }
                 }

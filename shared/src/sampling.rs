@@ -67,7 +67,8 @@ mod tests {
     fn disk_is_covered_evenly() {
         let n = 400usize;
         let points: Vec<_> = grid(n).map(square_to_disk).map(|p| p.as_dvec2()).collect();
-        let mean = |f: fn(glam::DVec2) -> f64| points.iter().map(|&p| f(p)).sum::<f64>() / points.len() as f64;
+        let mean =
+            |f: fn(glam::DVec2) -> f64| points.iter().map(|&p| f(p)).sum::<f64>() / points.len() as f64;
         assert!((mean(|p| p.length_squared()) - 0.5).abs() < 1e-4);
         assert!((mean(|p| p.x * p.x) - 0.25).abs() < 1e-4);
         assert!(mean(|p| p.x).abs() < 1e-4 && mean(|p| p.y).abs() < 1e-4);

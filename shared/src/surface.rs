@@ -46,7 +46,13 @@ fn pack2(low: f32, high: f32) -> u32 {
 
 impl GBufferTexel {
     /// The surface that a camera at `eye` sees at `point`; normals are turned to the camera's side.
-    pub fn new(point: &SurfacePoint, normal: Vec3, reflectance: Reflectance, instance: u32, eye: Vec3) -> Self {
+    pub fn new(
+        point: &SurfacePoint,
+        normal: Vec3,
+        reflectance: Reflectance,
+        instance: u32,
+        eye: Vec3,
+    ) -> Self {
         let to_eye = eye - point.position;
         let side = if point.geometric_normal.dot(to_eye) < 0.0 { -1.0 } else { 1.0 };
         let Reflectance { diffuse, f0, roughness } = reflectance;
@@ -146,7 +152,11 @@ mod tests {
             let texel = GBufferTexel::new(&point(position, normal), normal, reflectance, i, camera.position);
             let s = texel.unpack(&camera, pixel, size);
             let ulp = distance.max(camera.position.abs().max_element()) * f32::EPSILON;
-            assert!((s.position - position).abs().max_element() <= 4.0 * ulp, "{} for {position}", s.position);
+            assert!(
+                (s.position - position).abs().max_element() <= 4.0 * ulp,
+                "{} for {position}",
+                s.position
+            );
             assert!(s.geometric_normal.dot(s.wo) > -1e-3, "the normal is on the camera's side");
             assert!(s.normal.dot(s.wo) >= 0.0099);
             assert!((s.reflectance.diffuse - reflectance.diffuse).abs().max_element() < 1e-5);

@@ -13,7 +13,9 @@ pub fn unshadowed(surface: &Surface, incident: &Incident) -> Vec3 {
         return Vec3::ZERO;
     }
     let cos = surface.normal.dot(incident.direction).max(0.0);
-    bsdf::eval(&surface.reflectance, surface.normal, surface.wo, incident.direction) * incident.irradiance * cos
+    bsdf::eval(&surface.reflectance, surface.normal, surface.wo, incident.direction)
+        * incident.irradiance
+        * cos
 }
 
 /// p̂ = luminance of [`unshadowed`] (Bitterli et al. 2020, section 3).
@@ -54,7 +56,11 @@ mod tests {
     fn light_from_below_or_along_the_surface_is_dark() {
         for position in [-Vec3::Y, Vec3::X, -Vec3::X + -0.1 * Vec3::Y, Vec3::ZERO] {
             let light = Light::point(position, Vec3::ONE);
-            assert_eq!(target_function(&floor(), &light.sample_li(Vec2::ZERO, Vec3::ZERO)), 0.0, "{position}");
+            assert_eq!(
+                target_function(&floor(), &light.sample_li(Vec2::ZERO, Vec3::ZERO)),
+                0.0,
+                "{position}"
+            );
         }
         // A shading normal that leans over does not light what its surface hides.
         let leaning = Surface { normal: Vec3::new(1.0, 1.0, 0.0).normalize(), ..floor() };

@@ -4,6 +4,7 @@ pub mod atrium;
 pub mod fixtures;
 pub mod gltf;
 pub mod lights;
+pub mod shapes;
 
 use glam::{Affine3A, Vec2, Vec3, Vec4};
 use std::path::PathBuf;
