@@ -7,7 +7,7 @@ use super::plan::{
     UPPER_SPRING, bay_centers, column_lines,
 };
 use super::wall::{Opening, arched_wall, opening_frames};
-use crate::scene::shapes::{Outline, Profile, Shape, bevelled_cuboid, lathe, polygon, sweep};
+use crate::scene::shapes::{Outline, Profile, Shape, cuboid, lathe, polygon, sweep};
 use glam::{Affine3A, Mat3, Vec2, Vec3};
 
 const UPPER_CORNICE: f32 = 9.82;
@@ -38,13 +38,13 @@ fn along_side(profile: &Profile) -> Shape {
 
 fn ground_arch() -> Part {
     let wall = Opening { half_width: ARCH + 0.24, sill: SPRING, springing: SPRING };
-    let face = arched_wall(&wall, BAY, [SPRING, AISLE_CEILING + 0.02], 28);
+    let face = arched_wall(&wall, BAY, [SPRING, AISLE_CEILING + 0.02], 14);
     let both = two_faces(face, ARCADE);
     let arch = Opening { half_width: ARCH, sill: SPRING, springing: SPRING };
-    let key = bevelled_cuboid(Vec3::new(-0.11, 0.0, -0.43), Vec3::new(0.11, 0.42, 0.43), 0.015)
+    let key = cuboid(Vec3::new(-0.11, 0.0, -0.43), Vec3::new(0.11, 0.42, 0.43))
         .shifted(Vec3::new(0.0, SPRING + ARCH - 0.035, 0.0));
     Part::of(Finish::WhitePlaster, both)
-        .with(Finish::Limestone, sweep(&archivolt(), &opening_frames(&arch, 28)))
+        .with(Finish::Limestone, sweep(&archivolt(), &opening_frames(&arch, 14)))
         .with(Finish::DarkLimestone, key)
 }
 
@@ -59,12 +59,12 @@ fn archivolt() -> Profile {
     let half = Outline::from(0.265, ARCADE - 0.02)
         .to(0.265, ARCADE + 0.05)
         .to(0.235, ARCADE + 0.055)
-        .arc((0.205, ARCADE + 0.045), 0.024, (0.4, 1.1), 5)
+        .arc((0.205, ARCADE + 0.045), 0.024, (0.4, 1.1), 2)
         .to(0.175, ARCADE + 0.03)
         .to(0.10, ARCADE + 0.03)
-        .to(0.095, ARCADE + 0.018)
+        .to(0.10, ARCADE + 0.018)
         .to(0.03, ARCADE + 0.018)
-        .arc((0.018, ARCADE + 0.006), 0.016, (0.5, 1.0), 4)
+        .arc((0.018, ARCADE + 0.0), 0.018, (0.5, 1.0), 1)
         .to(0.0, ARCADE - 0.06)
         .to(0.035, ARCADE - 0.075)
         .0;
@@ -76,7 +76,7 @@ fn archivolt() -> Profile {
 fn tondo() -> Part {
     let rim = Outline::from(0.235, -0.02)
         .to(0.235, 0.03)
-        .arc((0.205, 0.03), 0.03, (0.0, 1.0), 6)
+        .arc((0.205, 0.03), 0.03, (0.0, 1.0), 3)
         .to(0.175, 0.012)
         .open();
     let dish = Outline::from(0.175, 0.012).to(0.12, 0.006).to(0.075, 0.008).open();
@@ -84,13 +84,13 @@ fn tondo() -> Part {
         .to(0.07, 0.03)
         .to(0.055, 0.036)
         .to(0.045, 0.03)
-        .arc((0.0, 0.03), 0.035, (0.0, 0.5), 4)
+        .arc((0.0, 0.03), 0.035, (0.0, 0.5), 2)
         .open();
     // The axis of the lathe turns to -z, into the nave.
     let facing = Affine3A::from_rotation_x(-std::f32::consts::FRAC_PI_2);
-    Part::of(Finish::WhiteGlaze, lathe(&rim, 28).moved(facing))
-        .with(Finish::BlueGlaze, lathe(&dish, 28).moved(facing))
-        .with(Finish::Gold, lathe(&boss, 20).moved(facing))
+    Part::of(Finish::WhiteGlaze, lathe(&rim, 14).moved(facing))
+        .with(Finish::BlueGlaze, lathe(&dish, 14).moved(facing))
+        .with(Finish::Gold, lathe(&boss, 8).moved(facing))
 }
 
 /// Architrave, coloured frieze, dentils and cornice towards the nave.
@@ -112,20 +112,21 @@ fn entablature() -> Part {
         .arc((face + 0.18, 5.51), 0.05, (-0.5, 0.0), 4)
         .to(face + 0.25, 5.525)
         .to(face + 0.25, 5.57)
-        .arc((face + 0.33, 5.56), 0.07, (0.92, 0.55), 5)
+        .to(face + 0.26, 5.59)
+        .to(face + 0.32, 5.60)
         .to(face + 0.34, CORNICE)
         .to(0.14, CORNICE + 0.012)
         .open();
     let mut part = Part::of(Finish::Limestone, along_side(&architrave).with(along_side(&cornice)))
         .with(Finish::GreenMarble, along_side(&frieze));
-    part.add(Finish::Limestone, &dentils(NAVE - face - 0.05, 5.385, [0.075, 0.065, 0.09]));
+    part.add(Finish::Limestone, &dentils(NAVE - face - 0.05, 5.385, [0.10, 0.065, 0.09]));
     part
 }
 
 /// Small blocks in a row under a cornice; their backs are inside it. `size`: along x, up, out into the nave.
 fn dentils(z: f32, y: f32, size: [f32; 3]) -> Shape {
     let mut row = Shape::default();
-    let pitch = size[0] * 1.866_666_7;
+    let pitch = size[0] * 2.0;
     let count = (2.0 * HALF_LENGTH / pitch) as usize;
     for i in 0..count {
         let x = (i as f32 + 0.5) * pitch - HALF_LENGTH;
@@ -158,17 +159,17 @@ const UPPER_HALF: f32 = 0.16;
 fn upper_arch() -> Part {
     let wall = Opening { half_width: UPPER_ARCH + 0.12, sill: UPPER_SPRING, springing: UPPER_SPRING };
     let both =
-        two_faces(arched_wall(&wall, BAY * 0.5, [UPPER_SPRING, GALLERY_CEILING + 0.02], 18), UPPER_HALF);
+        two_faces(arched_wall(&wall, BAY * 0.5, [UPPER_SPRING, GALLERY_CEILING + 0.02], 9), UPPER_HALF);
     let arch = Opening { half_width: UPPER_ARCH, sill: UPPER_SPRING, springing: UPPER_SPRING };
     let half = Outline::from(0.135, UPPER_HALF - 0.01)
         .to(0.135, UPPER_HALF + 0.03)
-        .arc((0.105, UPPER_HALF + 0.025), 0.018, (0.4, 1.1), 4)
+        .arc((0.105, UPPER_HALF + 0.025), 0.018, (0.4, 1.1), 2)
         .to(0.08, UPPER_HALF + 0.018)
         .to(0.0, UPPER_HALF + 0.012)
         .0;
     let mirrored = half.iter().rev().map(|p| Vec2::new(p.x, -p.y));
     let profile = Profile::new(&half.iter().copied().chain(mirrored).collect::<Vec<_>>(), false);
-    Part::of(Finish::WhitePlaster, both).with(Finish::Limestone, sweep(&profile, &opening_frames(&arch, 18)))
+    Part::of(Finish::WhitePlaster, both).with(Finish::Limestone, sweep(&profile, &opening_frames(&arch, 9)))
 }
 
 /// The cornice that carries the vault.
@@ -190,6 +191,6 @@ fn upper_entablature() -> Part {
         .to(-0.2, UPPER_CORNICE)
         .open();
     Part::of(Finish::Limestone, along_side(&outline))
-        .with(Finish::Limestone, dentils(NAVE - face - 0.05, 9.465, [0.075, 0.07, 0.09]))
+        .with(Finish::Limestone, dentils(NAVE - face - 0.05, 9.465, [0.10, 0.07, 0.09]))
         .with(Finish::RedMarble, along_side(&Outline::from(face + 0.026, 9.29).to(face + 0.026, 9.41).open()))
 }

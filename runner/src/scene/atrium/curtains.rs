@@ -30,10 +30,10 @@ fn drapes(cloth: Finish) -> Part {
     let left = drape(half, 0.0);
     // The twin has other folds, so that the pair is no mirror image.
     let right = drape(half, 0.37).moved(Affine3A::from_scale(Vec3::new(-1.0, 1.0, 1.0)));
-    let rod = tube(Vec3::new(-half, ROD, 0.0), Vec3::new(half, ROD, 0.0), 0.018, 8);
+    let rod = tube(Vec3::new(-half, ROD, 0.0), Vec3::new(half, ROD, 0.0), 0.018, 6);
     let mut brass = rod;
     for side in [-1.0, 1.0] {
-        brass.append(&sphere(0.035, 8).shifted(Vec3::new(side * half, ROD, 0.0)));
+        brass.append(&sphere(0.035, 6).shifted(Vec3::new(side * half, ROD, 0.0)));
     }
     Part::of(cloth, left.with(right)).with(Finish::Brass, brass)
 }
@@ -41,7 +41,7 @@ fn drapes(cloth: Finish) -> Part {
 /// Half of a pair: fixed at x = -half, open towards the middle, drawn together at the tie.
 fn drape(half: f32, phase: f32) -> Shape {
     const TIE: f32 = 0.60;
-    patch([24, 60], |p| {
+    patch([9, 37], |p| {
         let (v, u) = (p.x, p.y);
         // How far the cloth is gathered: 0 at the rod, 1 at the tie, half way back at the floor.
         let gather =
@@ -50,9 +50,9 @@ fn drape(half: f32, phase: f32) -> Shape {
         let width = 0.98 * half * (1.0 - 0.80 * smooth);
         // Cloth between folds sags towards the tie.
         let swag = 0.16 * (PI * (v / TIE).min(1.0)).sin() * u * u;
-        let wave = TAU * (6.5 * u + phase) + 1.3 * (3.0 * v + 5.0 * u + 7.0 * phase).sin() * (0.3 + 0.5 * v);
-        let depth = 0.05 + 0.05 * v - 0.035 * smooth;
-        let z = depth * wave.sin() + 0.016 * (2.3 * wave + 4.0 * v).sin();
+        let wave = TAU * (5.5 * u + phase) + 1.3 * (3.0 * v + 5.0 * u + 7.0 * phase).sin() * (0.3 + 0.5 * v);
+        let depth = (0.05 + 0.045 * v) * (1.0 - 0.6 * smooth);
+        let z = depth * wave.sin() + 0.008 * (2.3 * wave + 4.0 * v).sin();
         let belt = 0.05 * (-((v - TIE) / 0.035).powi(2)).exp();
         Vec3::new(
             -half + 0.03 + width * u + 0.02 * wave.cos(),

@@ -102,9 +102,9 @@ fn amphora() -> Shape {
         .to(0.125, 1.29)
         .to(0.06, 1.24)
         .to(0.0, 1.22);
-    let body = lathe(&smooth(&outline).open(), 26);
+    let body = lathe(&smooth(&outline).open(), 15);
     let handle = planar_tube(
-        [12, 6],
+        [8, 5],
         |t| {
             Vec2::new(
                 0.08 + 0.30 * (PI * t.clamp(0.0, 1.0)).sin() * (1.0 - 0.35 * t) + 0.11 * t,
@@ -132,7 +132,7 @@ fn ginger_jar() -> Shape {
         .to(0.12, 1.09)
         .to(0.03, 1.12)
         .arc((0.0, 1.16), 0.04, (-0.25, 0.5), 5);
-    lathe(&smooth(&outline).open(), 28)
+    lathe(&smooth(&outline).open(), 15)
 }
 
 fn slim_vase() -> Shape {
@@ -149,7 +149,7 @@ fn slim_vase() -> Shape {
         .to(0.14, 1.51)
         .to(0.05, 1.38)
         .to(0.0, 1.36);
-    lathe(&smooth(&outline).open(), 26)
+    lathe(&smooth(&outline).open(), 15)
 }
 
 /// Chaikin's corner cutting, once: a turned body has no hard edges. The ends stay.
@@ -213,11 +213,11 @@ fn fountain() -> Part {
         .to(0.05, 2.02)
         .to(0.0, 2.22)
         .open();
-    Part::of(Finish::BlackMarble, lathe(&step, 48))
-        .with(Finish::WhiteMarble, lathe(&foot, 36).with(lathe(&bowl.open(), 56)))
-        .with(Finish::RedMarble, lathe(&stem, 28))
-        .with(Finish::WhiteMarble, lathe(&upper.open(), 40))
-        .with(Finish::Brass, lathe(&finial, 32))
+    Part::of(Finish::BlackMarble, lathe(&step, 40))
+        .with(Finish::WhiteMarble, lathe(&foot, 28).with(lathe(&bowl.open(), 44)))
+        .with(Finish::RedMarble, lathe(&stem, 20))
+        .with(Finish::WhiteMarble, lathe(&upper.open(), 32))
+        .with(Finish::Brass, lathe(&finial, 22))
 }
 
 fn urn_pedestal() -> Part {
@@ -244,11 +244,11 @@ fn urn(finish: Finish) -> Part {
         .to(0.09, 0.15)
         .open();
     // Lobes on the lower half of the body.
-    let body = patch([12, 64], |p| {
+    let body = patch([6, 40], |p| {
         let angle = TAU * if p.y == 1.0 { 0.0 } else { p.y };
         let lobe = 1.0 + 0.045 * (8.0 * angle).sin().abs() * (PI * p.x).sin();
         let r = (0.08 + 0.25 * (PI * 0.5 * p.x).sin()) * lobe;
-        Vec3::new(r * angle.cos(), 0.14 + 0.30 * p.x * p.x + 0.03 * p.x, -r * angle.sin())
+        Vec3::new(r * angle.cos(), 0.14 + 0.30 * p.x * p.x + 0.03 * p.x, r * angle.sin())
     });
     let upper = Outline::from(0.33, 0.47)
         .arc((0.335, 0.485), 0.018, (-0.5, 0.5), 4)
@@ -262,7 +262,7 @@ fn urn(finish: Finish) -> Part {
         .to(0.03, 0.85)
         .arc((0.0, 0.90), 0.05, (-0.3, 0.5), 6)
         .open();
-    Part::of(finish, lathe(&foot, 24).with(body).with(lathe(&upper, 32)))
+    Part::of(finish, lathe(&foot, 14).with(body).with(lathe(&upper, 16)))
 }
 
 /// The urn in the great niche, on its own pedestal.
@@ -294,10 +294,10 @@ fn planter() -> Part {
         .to(0.34, 0.54)
         .open();
     let soil = Outline::from(0.35, 0.55).to(0.2, 0.57).to(0.0, 0.58).open();
-    let mut part = Part::of(Finish::Terracotta, lathe(&pot, 30)).with(Finish::Soil, lathe(&soil, 20));
+    let mut part = Part::of(Finish::Terracotta, lathe(&pot, 18)).with(Finish::Soil, lathe(&soil, 14));
     for i in 0..8 {
         let angle = TAU * i as f32 / 8.0;
-        let boss = sphere(0.035, 8).shifted(Vec3::new(0.325 * angle.cos(), 0.33, 0.325 * angle.sin()));
+        let boss = sphere(0.035, 6).shifted(Vec3::new(0.325 * angle.cos(), 0.33, 0.325 * angle.sin()));
         part.add(Finish::Terracotta, &boss);
     }
     part
@@ -306,12 +306,12 @@ fn planter() -> Part {
 /// Arching blades in three whorls.
 fn agave() -> Part {
     let mut shape = Shape::default();
-    for i in 0..42 {
+    for i in 0..30 {
         // The golden angle spreads the blades; outer ones are longer and lean further.
-        let outer = 1.0 - i as f32 / 42.0;
+        let outer = 1.0 - i as f32 / 30.0;
         let length = 0.75 + 0.35 * outer;
         let lean = 0.16 + 0.62 * outer;
-        let blade = patch([7, 2], |p| {
+        let blade = patch([5, 2], |p| {
             let bend = lean * (0.55 + 0.9 * p.x);
             let along = length * p.x;
             let center = Vec2::new(along * bend.sin(), along * bend.cos().max(-0.2));

@@ -3,11 +3,11 @@
 use super::kit::{Kit, Part};
 use super::materials::Finish;
 use super::plan::{AISLE_CEILING, BAY, BAYS, GALLERY_CEILING, GALLERY_FLOOR, HALF_LENGTH, NAVE, RAIL, WALL};
-use crate::scene::shapes::{Outline, Profile, Shape, bevelled_cuboid, bevelled_slab, lathe, polygon, sweep};
+use crate::scene::shapes::{Outline, Profile, Shape, bevelled_slab, cuboid, lathe, polygon, sweep};
 use glam::{Affine3A, Mat3, Vec2, Vec3};
 
 /// Balusters between two pedestals.
-const BALUSTERS: usize = 5;
+const BALUSTERS: usize = 4;
 
 pub fn add(kit: &mut Kit) {
     let baluster = kit.mesh("baluster", baluster());
@@ -35,21 +35,18 @@ fn baluster() -> Part {
     let y = GALLERY_FLOOR + 0.15;
     let top = RAIL - 0.14;
     let outline = Outline::from(0.062, y)
-        .to(0.062, y + 0.045)
-        .to(0.040, y + 0.065)
-        .arc((0.038, y + 0.09), 0.02, (-0.4, 0.4), 3)
-        .to(0.036, y + 0.12)
-        .to(0.060, y + 0.18)
-        .to(0.068, y + 0.235)
-        .to(0.058, y + 0.31)
+        .to(0.062, y + 0.05)
+        .to(0.036, y + 0.10)
+        .to(0.064, y + 0.19)
+        .to(0.064, y + 0.27)
         .to(0.036, y + 0.42)
         .to(0.027, y + 0.52)
-        .arc((0.03, y + 0.55), 0.018, (-0.4, 0.4), 3)
+        .to(0.046, y + 0.55)
         .to(0.028, top - 0.06)
         .to(0.058, top - 0.03)
         .to(0.058, top)
         .open();
-    Part::of(Finish::Limestone, lathe(&outline, 12))
+    Part::of(Finish::Limestone, lathe(&outline, 7))
 }
 
 /// The plinth under the balusters and the handrail over them.
@@ -79,7 +76,7 @@ fn along(profile: &Profile) -> Shape {
 
 /// Long boards with staggered ends.
 fn boards() -> Part {
-    let (rows, length) = (20, 2.0);
+    let (rows, length) = (15, 2.3);
     let (near, far) = (NAVE - 0.15, WALL);
     let width = (far - near) / rows as f32;
     let mut shape = Shape::default();
@@ -114,7 +111,7 @@ fn soffit(y: f32) -> Shape {
 /// A ceiling beam across an aisle, below height 0.
 fn beam() -> Part {
     let (near, far) = (NAVE + 0.1, WALL + 0.02);
-    let mut timber = bevelled_cuboid(Vec3::new(-0.075, -0.19, near), Vec3::new(0.075, 0.02, far), 0.012);
+    let mut timber = cuboid(Vec3::new(-0.075, -0.19, near), Vec3::new(0.075, 0.02, far));
     // The grain runs along the beam.
     timber.uvs.iter_mut().zip(&timber.positions).for_each(|(uv, p)| *uv = Vec2::new(p.z, p.x + p.y));
     Part::of(Finish::OakBeams, timber)

@@ -134,22 +134,21 @@ fn body(kind: Kind) -> Part {
 fn candle(radius: f32, height: f32, segments: usize) -> Shape {
     let outline = Outline::from(radius, 0.0)
         .to(radius, height)
-        .to(radius * 0.7, height + radius * 0.2)
-        .to(0.0, height - radius * 0.1);
+        .to(0.0, height + radius * 0.1);
     lathe(&outline.open(), segments)
 }
 
 /// A ring with candles on arms around a turned stem.
 fn chandelier() -> Part {
     let stem = Outline::from(0.0, -0.42)
-        .arc((0.0, -0.36), 0.055, (-0.45, 0.3), 5)
+        .arc((0.0, -0.36), 0.055, (-0.45, 0.3), 3)
         .to(0.03, -0.27)
-        .arc((0.02, -0.10), 0.13, (-0.4, 0.4), 8)
+        .arc((0.02, -0.10), 0.13, (-0.4, 0.4), 3)
         .to(0.04, 0.06)
         .to(0.055, 0.08)
         .to(0.03, 0.12)
         .to(0.022, 0.5)
-        .arc((0.015, 0.55), 0.04, (-0.4, 0.4), 4)
+        .arc((0.015, 0.55), 0.04, (-0.4, 0.4), 3)
         .to(0.0, 0.6)
         .open();
     let hoop = Outline::from(0.975, -0.035).to(0.975, 0.035).to(0.925, 0.035).to(0.925, -0.035).closed();
@@ -160,15 +159,15 @@ fn chandelier() -> Part {
         .to(0.06, 0.10)
         .to(0.03, 0.085)
         .open();
-    let mut brass = lathe(&stem, 18).with(lathe(&hoop, 48));
+    let mut brass = lathe(&stem, 12).with(lathe(&hoop, 24));
     let mut wax = Shape::default();
     for i in 0..CHANDELIER_CANDLES {
-        brass.append(&lathe(&cup, 10).shifted(on_ring(i)));
-        wax.append(&candle(0.022, 0.14, 8).shifted(on_ring(i) + Vec3::Y * 0.085));
+        brass.append(&lathe(&cup, 5).shifted(on_ring(i)));
+        wax.append(&candle(0.022, 0.14, 6).shifted(on_ring(i) + Vec3::Y * 0.085));
     }
     for i in 0..6 {
         let arm = planar_tube(
-            [12, 6],
+            [6, 4],
             |t| Vec2::new(0.1 + 0.84 * t, 0.10 - 0.26 * (PI * t).sin() - 0.1 * t),
             |_| Vec2::splat(0.014),
         );
@@ -199,9 +198,9 @@ fn lantern() -> Part {
     for i in 0..6 {
         let d = Vec2::from_angle(TAU * i as f32 / 6.0);
         let post = |r: f32, y: f32| Vec3::new(r * d.x, y, r * d.y);
-        brass.append(&tube(post(0.108, -0.45), post(0.135, -0.155), 0.007, 5));
+        brass.append(&tube(post(0.108, -0.45), post(0.135, -0.155), 0.007, 4));
     }
-    Part::of(Finish::Brass, brass).with(Finish::Wax, candle(0.03, 0.12, 10).shifted(Vec3::Y * -0.44))
+    Part::of(Finish::Brass, brass).with(Finish::Wax, candle(0.03, 0.12, 6).shifted(Vec3::Y * -0.44))
 }
 
 /// An arm that leaves the column along +x, with a cup and a candle.
@@ -209,7 +208,7 @@ fn sconce() -> Part {
     let plate = Outline::from(0.07, -0.02).to(0.07, 0.012).to(0.05, 0.022).to(0.0, 0.03).open();
     let facing = Affine3A::from_mat3(Mat3::from_cols(Vec3::NEG_Y, Vec3::X, Vec3::Z));
     let arm = planar_tube(
-        [12, 6],
+        [6, 4],
         |t| Vec2::new(0.27 * (PI * 0.5 * t).sin(), 0.1 * t * t - 0.14 * (PI * t).sin()),
         |_| Vec2::splat(0.012),
     );
@@ -221,8 +220,8 @@ fn sconce() -> Part {
         .to(0.03, 0.135)
         .open();
     let out = Vec3::X * 0.27;
-    let brass = lathe(&plate, 16).moved(facing).with(arm).with(lathe(&cup, 12).shifted(out));
-    Part::of(Finish::Brass, brass).with(Finish::Wax, candle(0.025, 0.15, 8).shifted(out + Vec3::Y * 0.135))
+    let brass = lathe(&plate, 6).moved(facing).with(arm).with(lathe(&cup, 6).shifted(out));
+    Part::of(Finish::Brass, brass).with(Finish::Wax, candle(0.025, 0.15, 6).shifted(out + Vec3::Y * 0.135))
 }
 
 fn candles() -> Part {
@@ -230,26 +229,21 @@ fn candles() -> Part {
     let mut part = Part::default();
     for [x, z, height] in CANDLES {
         let foot = Vec3::new(x, 0.0, z);
-        part.add(Finish::Bronze, &lathe(&dish, 10).shifted(foot));
-        part.add(Finish::Wax, &candle(0.036, height - 0.01, 10).shifted(foot + Vec3::Y * 0.008));
+        part.add(Finish::Bronze, &lathe(&dish, 6).shifted(foot));
+        part.add(Finish::Wax, &candle(0.036, height - 0.01, 7).shifted(foot + Vec3::Y * 0.008));
     }
     part
 }
 
 /// A small brass bell under a rib.
 fn pendant() -> Shape {
-    let bell = Outline::from(0.0, -0.075)
-        .to(0.026, -0.07)
-        .to(0.034, -0.05)
-        .to(0.022, -0.02)
-        .to(0.008, 0.0)
-        .to(0.006, 0.02);
-    lathe(&bell.open(), 7)
+    let bell = Outline::from(0.0, -0.075).to(0.034, -0.06).to(0.022, -0.02).to(0.006, 0.02);
+    lathe(&bell.open(), 5)
 }
 
 /// A glass on the cornice.
 fn small_lamp() -> Part {
-    let foot = Outline::from(0.03, 0.0).to(0.03, 0.022).to(0.012, 0.03).open();
-    Part::of(Finish::Brass, lathe(&foot, 8))
-        .with(Finish::WhiteGlaze, sphere(0.03, 8).shifted(Vec3::Y * 0.052))
+    let foot = Outline::from(0.034, 0.0).to(0.012, 0.03).open();
+    Part::of(Finish::Brass, lathe(&foot, 6))
+        .with(Finish::WhiteGlaze, sphere(0.03, 6).shifted(Vec3::Y * 0.052))
 }

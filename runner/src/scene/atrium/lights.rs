@@ -114,7 +114,7 @@ fn color(i: u32) -> Vec3 {
         ACCENTS[(h >> 8) as usize % ACCENTS.len()]
     } else {
         let warmth = unit_f32(h.wrapping_mul(0x27d4_eb2d));
-        Vec3::new(1.0, 0.50, 0.17).lerp(Vec3::new(1.0, 0.76, 0.50), warmth)
+        Vec3::new(1.0, 0.60, 0.28).lerp(Vec3::new(1.0, 0.82, 0.60), warmth)
     };
     rgb / shared::math::luminance(rgb)
 }

@@ -60,8 +60,8 @@ fn cameras() -> Vec<SceneCamera> {
         fov_y: degrees.to_radians(),
     };
     vec![
-        camera("nave", Vec3::new(-13.0, 2.3, 0.9), Vec3::new(3.0, 4.4, -0.4), 62.0),
-        camera("gallery", Vec3::new(-11.6, 7.4, 6.0), Vec3::new(4.0, 4.6, -3.4), 58.0),
-        camera("detail", Vec3::new(-4.4, 1.6, 1.2), Vec3::new(-1.6, 1.75, 5.2), 50.0),
+        camera("nave", Vec3::new(-13.2, 2.1, 0.8), Vec3::new(3.0, 4.2, -0.4), 60.0),
+        camera("gallery", Vec3::new(-10.5, 7.3, 5.2), Vec3::new(1.5, 5.4, -3.4), 58.0),
+        camera("detail", Vec3::new(-8.1, 1.5, 1.4), Vec3::new(-5.0, 1.55, 4.6), 50.0),
     ]
 }

@@ -77,22 +77,22 @@ fn add_coffer(part: &mut Part, [angle, x]: [f32; 2], cell: [f32; 2]) {
                 point_on_vault(angle + size * a * cell[0], x + size * b * cell[1], rise)
             };
             // The sides that run around the vault need more steps than those along it.
-            let steps = if side % 2 == 0 { 4 } else { 1 };
-            part.add(finish, &patch([1, steps], |p| point(p.x, p.y)));
+            let steps = if side % 2 == 0 { 2 } else { 1 };
+            part.add(finish, &patch([1, steps], |p| point(p.x, p.y)).flipped());
         }
     }
 }
 
 /// A flower of eight petals around a knob, its axis +y.
 fn rosette() -> Shape {
-    let petals = patch([3, 32], |p| {
+    let petals = patch([1, 16], |p| {
         let turn = 2.0 * PI * if p.y == 1.0 { 0.0 } else { p.y };
         let petal = 0.72 + 0.28 * (4.0 * turn).cos().abs();
         let r = 0.06 + (0.23 * petal - 0.06) * p.x;
-        Vec3::new(r * turn.cos(), 0.055 * (PI * p.x).sin() + 0.01 * (1.0 - p.x) - 0.01, -r * turn.sin())
+        Vec3::new(r * turn.cos(), 0.05 * (1.0 - p.x), -r * turn.sin())
     });
-    let knob = Outline::from(0.075, 0.0).arc((0.0, 0.03), 0.07, (0.0, 0.5), 3).open();
-    petals.with(lathe(&knob, 10))
+    let knob = Outline::from(0.075, 0.0).arc((0.0, 0.03), 0.07, (0.0, 0.5), 2).open();
+    petals.with(lathe(&knob, 5))
 }
 
 /// A moulded transverse rib, hanging below the coffers.
@@ -100,17 +100,17 @@ fn rib() -> Part {
     // (radius outward, across): left to right as seen along the vault.
     let outline = Outline::from(0.03, RIB)
         .to(-0.03, RIB)
-        .arc((-0.045, RIB - 0.03), 0.028, (0.3, 1.0), 4)
+        .arc((-0.045, RIB - 0.03), 0.028, (0.3, 1.0), 2)
         .to(-0.075, RIB - 0.058)
         .to(-0.115, RIB - 0.07)
         .to(-0.115, -RIB + 0.07)
         .to(-0.075, -RIB + 0.058)
-        .arc((-0.045, -RIB + 0.03), 0.028, (-1.0, -0.3), 4)
+        .arc((-0.045, -RIB + 0.03), 0.028, (-1.0, -0.3), 2)
         .to(-0.03, -RIB)
         .to(0.03, -RIB)
         .open();
     let frame = |i: usize| {
-        let angle = PI * VAULT_ANGLE * (2.0 * i as f32 / 40.0 - 1.0);
+        let angle = PI * VAULT_ANGLE * (1.0 - 2.0 * i as f32 / 16.0);
         let (sin, cos) = angle.sin_cos();
         let out = Vec3::new(0.0, cos, sin);
         let turn = Mat3::from_cols(out, Vec3::X, out.cross(Vec3::X));
@@ -119,6 +119,6 @@ fn rib() -> Part {
             Vec3::new(0.0, VAULT_CROWN - VAULT_RADIUS, 0.0) + VAULT_RADIUS * out,
         )
     };
-    let frames: Vec<_> = (0..=40).map(frame).collect();
+    let frames: Vec<_> = (0..=16).map(frame).collect();
     Part::of(Finish::Limestone, sweep(&outline, &frames))
 }

@@ -75,19 +75,19 @@ pub fn surround(opening: &Opening, profile: &Profile, steps: usize) -> Shape {
 /// The half-round hollow of a niche, `depth` deep, with a fluted shell as its head.
 pub fn niche(opening: &Opening, depth: f32) -> Shape {
     let (a, height) = (opening.half_width, opening.springing - opening.sill);
-    let hollow = patch([1, 20], |p| {
+    let hollow = patch([1, 14], |p| {
         let (sin, cos) = (PI * p.y).sin_cos();
         Vec3::new(a * cos, opening.sill + height * p.x, -depth * sin)
     });
-    let shell = patch([8, 40], |p| {
+    let shell = patch([4, 21], |p| {
         let (sin_a, cos_a) = (PI * p.y).sin_cos();
         let (sin_b, cos_b) = (0.5 * PI * p.x).sin_cos();
         let flute = 1.0 - 0.07 * (2.0 * sin_b * cos_b) * (PI * 7.0 * p.y).sin().abs();
         let shape = Vec3::new(a * cos_a, a * sin_a * cos_b, -depth * sin_a * sin_b);
         Vec3::new(0.0, opening.springing, 0.0) + shape * flute
     });
-    let floor: Vec<Vec3> = (0..=20)
-        .map(|i| PI * i as f32 / 20.0)
+    let floor: Vec<Vec3> = (0..=14)
+        .map(|i| PI * i as f32 / 14.0)
         .map(|t| Vec3::new(a * t.cos(), opening.sill, -depth * t.sin()))
         .collect();
     hollow.with(shell.flipped()).with(polygon(&floor, Vec3::Y))

@@ -7,7 +7,7 @@ use super::plan::{
     bay_centers,
 };
 use super::wall::{Opening, arched_wall, niche, panel, reveal, surround};
-use crate::scene::shapes::{Outline, Profile, Shape, bevelled_cuboid, lathe, polygon, sphere, sweep, tube};
+use crate::scene::shapes::{Outline, Profile, Shape, bevelled_cuboid, cuboid, lathe, polygon, sphere, sweep, tube};
 use glam::{Affine3A, Mat3, Vec3};
 
 /// What fills the arched opening of a wall bay.
@@ -109,12 +109,12 @@ fn end_walls(kit: &mut Kit) {
 
 /// A stretch of wall in the plane z = 0, facing +z, with its frame and filling.
 fn stretch(s: &Stretch) -> Part {
-    let steps = if s.opening.half_width > 1.0 { 40 } else { 20 };
+    let steps = if s.opening.half_width > 1.0 { 24 } else { 10 };
     let wall = arched_wall(&s.opening, s.width, s.heights, steps);
     let mut part = Part::of(s.face, wall).with(Finish::Limestone, surround(&s.opening, &architrave(), steps));
     if s.opening.sill > s.heights[0] {
         let a = s.opening.half_width + 0.2;
-        let ledge = bevelled_cuboid(Vec3::new(-a, -0.1, -0.02), Vec3::new(a, 0.0, 0.16), 0.02);
+        let ledge = cuboid(Vec3::new(-a, -0.1, -0.02), Vec3::new(a, 0.0, 0.16));
         part.add(Finish::Limestone, &ledge.shifted(Vec3::new(0.0, s.opening.sill - 0.004, 0.0)));
     }
     match s.kind {
@@ -132,10 +132,10 @@ fn stretch(s: &Stretch) -> Part {
 fn architrave() -> Profile {
     Outline::from(0.17, -0.02)
         .to(0.17, 0.05)
-        .arc((0.145, 0.05), 0.025, (0.0, 1.0), 5)
+        .arc((0.145, 0.05), 0.025, (0.0, 1.0), 3)
         .to(0.11, 0.03)
         .to(0.03, 0.03)
-        .arc((0.015, 0.02), 0.015, (0.5, 1.0), 3)
+        .arc((0.015, 0.02), 0.015, (0.5, 1.0), 1)
         .to(0.0, -0.03)
         .open()
 }
@@ -144,7 +144,7 @@ fn architrave() -> Profile {
 fn door(opening: &Opening) -> Part {
     const DEPTH: f32 = 0.22;
     let a = opening.half_width;
-    let mut wood = panel(opening, -DEPTH, 20);
+    let mut wood = panel(opening, -DEPTH, 10);
     let mut brass = Shape::default();
     for side in [-1.0f32, 1.0] {
         for [low, high] in [[0.12, 0.75], [0.87, 1.6], [1.72, 2.42]] {
@@ -154,7 +154,7 @@ fn door(opening: &Opening) -> Part {
             wood.append(&bevelled_cuboid(min, max, 0.03));
         }
         brass.append(&ring(0.06, 0.009).shifted(Vec3::new(side * 0.03, 1.2, -DEPTH + 0.03)));
-        brass.append(&sphere(0.022, 8).shifted(Vec3::new(side * 0.03, 1.27, -DEPTH + 0.02)));
+        brass.append(&sphere(0.022, 6).shifted(Vec3::new(side * 0.03, 1.27, -DEPTH + 0.02)));
     }
     let transom = Vec3::new(a, 0.05, 0.06);
     let transom = bevelled_cuboid(-transom, transom, 0.02).shifted(Vec3::new(0.0, 2.5, -DEPTH));
@@ -165,17 +165,17 @@ fn door(opening: &Opening) -> Part {
     });
     fan.for_each(|bar| wood.append(&bar));
     Part::of(Finish::Walnut, wood.with(transom))
-        .with(Finish::DarkLimestone, reveal(opening, DEPTH, 20))
+        .with(Finish::DarkLimestone, reveal(opening, DEPTH, 10))
         .with(Finish::Brass, brass)
 }
 
 /// A torus in the plane z = 0.
 fn ring(radius: f32, thickness: f32) -> Shape {
-    let circle: Vec<_> = (0..6)
-        .map(|i| glam::Vec2::from_angle(std::f32::consts::TAU * i as f32 / 6.0))
+    let circle: Vec<_> = (0..5)
+        .map(|i| glam::Vec2::from_angle(std::f32::consts::TAU * i as f32 / 5.0))
         .map(|d| glam::Vec2::new(radius, 0.0) + thickness * d)
         .collect();
-    lathe(&Profile::new(&circle, true), 20).moved(Affine3A::from_rotation_x(std::f32::consts::FRAC_PI_2))
+    lathe(&Profile::new(&circle, true), 14).moved(Affine3A::from_rotation_x(std::f32::consts::FRAC_PI_2))
 }
 
 /// Dark panes behind a bronze lattice.
@@ -204,9 +204,9 @@ fn window(opening: &Opening) -> Part {
         ));
         y += 0.3;
     }
-    Part::of(Finish::DarkGlass, panel(opening, -DEPTH, 20))
+    Part::of(Finish::DarkGlass, panel(opening, -DEPTH, 10))
         .with(Finish::Bronze, lattice)
-        .with(Finish::DarkLimestone, reveal(opening, DEPTH, 20))
+        .with(Finish::DarkLimestone, reveal(opening, DEPTH, 10))
 }
 
 /// The end wall above the cornice: plain, with a round window under the vault.
@@ -215,7 +215,7 @@ fn lunette() -> Part {
     let corners = [(-NAVE, low), (NAVE, low), (NAVE, high), (-NAVE, high)].map(|(x, y)| Vec3::new(x, y, 0.0));
     let rim = Outline::from(0.86, -0.02)
         .to(0.86, 0.08)
-        .arc((0.80, 0.09), 0.06, (0.0, 1.0), 8)
+        .arc((0.80, 0.09), 0.06, (0.0, 1.0), 4)
         .to(0.70, 0.05)
         .to(0.66, 0.05)
         .to(0.64, 0.01)
@@ -229,8 +229,8 @@ fn lunette() -> Part {
         tracery.append(&tube(0.22 * d + 0.02 * Vec3::Z, 0.65 * d + 0.02 * Vec3::Z, 0.022, 6));
     }
     Part::of(Finish::WhitePlaster, polygon(&corners, Vec3::Z))
-        .with(Finish::Limestone, lathe(&rim, 40).moved(facing))
-        .with(Finish::DarkGlass, lathe(&glass, 40).moved(facing))
+        .with(Finish::Limestone, lathe(&rim, 32).moved(facing))
+        .with(Finish::DarkGlass, lathe(&glass, 32).moved(facing))
         .with(Finish::Bronze, tracery.shifted(Vec3::new(0.0, 10.85, 0.0)))
 }
 

@@ -80,7 +80,7 @@ pub fn planar_tube(steps: [usize; 2], curve: impl Fn(f32) -> Vec2, radii: impl F
         let (sin, cos) = if uv.y == 1.0 { (0.0, 1.0) } else { (TAU * uv.y).sin_cos() };
         let r = radii(uv.x);
         let p = curve(uv.x) + r.x * cos * Vec2::new(tangent.y, -tangent.x);
-        p.extend(-r.y * sin)
+        p.extend(r.y * sin)
     })
 }
 
