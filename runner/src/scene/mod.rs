@@ -5,6 +5,7 @@ pub mod camera;
 pub mod fixtures;
 pub mod gltf;
 pub mod lights;
+pub mod shapes;
 mod source;
 
 pub use source::load;

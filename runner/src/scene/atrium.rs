@@ -1,4 +1,0 @@
-//! (to come)
-pub fn atrium(_lights: usize) -> super::SceneDescription {
-    super::SceneDescription::default()
-}
