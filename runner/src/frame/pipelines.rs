@@ -26,7 +26,7 @@ pub struct Pipelines {
 /// A pass, ready to be recorded.
 pub enum PassPipeline {
     Compute(ComputePipeline),
-    Rays(RayPipeline),
+    Rays(Box<RayPipeline>),
 }
 
 /// A shader's words and entry point, owned.
@@ -87,7 +87,7 @@ impl Pipelines {
             hit_groups: &[hit],
             interface,
         };
-        Ok(PassPipeline::Rays(RayPipeline::new(&self.device, cache, &desc)?))
+        Ok(PassPipeline::Rays(Box::new(RayPipeline::new(&self.device, cache, &desc)?)))
     }
 }
 
@@ -108,7 +108,7 @@ impl PassPipeline {
     pub fn pipeline(&self) -> &Pipeline {
         match self {
             PassPipeline::Compute(pipeline) => pipeline,
-            PassPipeline::Rays(pipeline) => pipeline,
+            PassPipeline::Rays(pipeline) => pipeline.as_ref(),
         }
     }
 
