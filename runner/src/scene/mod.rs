@@ -1,6 +1,7 @@
 //! A scene as plain CPU data: no Vulkan type, no file handle. Loaders and generators make it, `gpu_scene` uploads it.
 
 pub mod atrium;
+pub mod export;
 pub mod fixtures;
 pub mod gltf;
 pub mod lights;
