@@ -1,4 +1,274 @@
-//! (to come)
-pub fn write_all(_d: &std::path::Path) -> crate::error::Result<Vec<std::path::PathBuf>> {
-    Ok(vec![])
+//! Small scenes with known answers, as files: one step of a loader or of the estimator each. No function here rounds
+//! differently from one machine to another (no sine, no power), so the files can be compared byte by byte.
+
+use super::export::to_glb;
+use super::shapes::{Shape, cuboid, polygon};
+use super::{Instance, Material, Mesh, PointLight, SceneCamera, SceneDescription};
+use crate::error::{Error, Result};
+use glam::{Affine3A, Mat3, Vec3, Vec4};
+use std::path::{Path, PathBuf};
+
+/// File name without its extension, and the scene.
+pub fn all() -> Vec<(&'static str, SceneDescription)> {
+    vec![
+        ("cornell-box", cornell_box()),
+        ("emissive-triangles", emissive_triangles()),
+        ("point-lights", point_lights()),
+        ("occluder", occluder()),
+        ("instances", instances()),
+    ]
+}
+
+/// Writes each scene to `directory` as `<name>.glb`; a file that is there already is replaced as a whole.
+pub fn write_all(directory: &Path) -> Result<Vec<PathBuf>> {
+    let failed = |path: &Path, action| {
+        let path = path.to_owned();
+        move |source| Error::File { path, action, source }
+    };
+    std::fs::create_dir_all(directory).map_err(failed(directory, "make the directory"))?;
+    let mut paths = Vec::new();
+    for (name, scene) in all() {
+        let path = directory.join(format!("{name}.glb"));
+        let unfinished = directory.join(format!(".{name}.glb.{}", std::process::id()));
+        std::fs::write(&unfinished, to_glb(&scene)?).map_err(failed(&unfinished, "write"))?;
+        std::fs::rename(&unfinished, &path).map_err(failed(&path, "replace"))?;
+        paths.push(path);
+    }
+    Ok(paths)
+}
+
+/// Adds `shape` under `material` as an instance of its own.
+fn add(scene: &mut SceneDescription, name: &str, shape: Shape, material: Material) {
+    let primitive = shape.into_primitive(scene.materials.len(), false);
+    scene.materials.push(Material { name: name.into(), ..material });
+    scene.instances.push(Instance {
+        name: name.into(),
+        mesh: scene.meshes.len(),
+        transform: Affine3A::IDENTITY,
+    });
+    scene.meshes.push(Mesh { name: name.into(), primitives: vec![primitive] });
+}
+
+fn scene(name: &str, camera: Vec3, target: Vec3) -> SceneDescription {
+    let camera = SceneCamera {
+        name: "camera".into(),
+        position: camera,
+        forward: (target - camera).normalize(),
+        up: Vec3::Y,
+        fov_y: 0.75,
+    };
+    SceneDescription { name: name.into(), cameras: vec![camera], ..SceneDescription::default() }
+}
+
+fn diffuse(color: [f32; 3]) -> Material {
+    Material { base_color: Vec4::from((Vec3::from(color), 1.0)), ..Material::default() }
+}
+
+/// Black, emitting `nit`.
+fn emitter(nit: Vec3, double_sided: bool) -> Material {
+    Material { emission: nit, double_sided, ..diffuse([0.0; 3]) }
+}
+
+/// A horizontal square around (0, y, 0).
+fn square(half: f32, y: f32, facing: Vec3) -> Shape {
+    polygon(
+        &[(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, z)| Vec3::new(half * x, y, half * z)),
+        facing,
+    )
+}
+
+/// About y, by the angle whose sine is 7/25 and whose cosine is 24/25.
+fn turn_7_24_25(sign: f32) -> Mat3 {
+    let (sin, cos) = (0.28 * sign, 0.96);
+    Mat3::from_cols(Vec3::new(cos, 0.0, -sin), Vec3::Y, Vec3::new(sin, 0.0, cos))
+}
+
+/// A room of 1 m, open to +z, with a square lamp under its ceiling and two blocks.
+fn cornell_box() -> SceneDescription {
+    let mut scene = scene("cornell-box", Vec3::new(0.0, 0.5, 1.95), Vec3::new(0.0, 0.5, 0.0));
+    let white = || diffuse([0.73, 0.73, 0.73]);
+    let side = |x: f32| {
+        polygon(
+            &[(0.0, -0.5), (1.0, -0.5), (1.0, 0.5), (0.0, 0.5)].map(|(y, z)| Vec3::new(x, y, z)),
+            Vec3::X * -x,
+        )
+    };
+    let back = [(-0.5, 0.0), (0.5, 0.0), (0.5, 1.0), (-0.5, 1.0)].map(|(x, y)| Vec3::new(x, y, -0.5));
+    add(&mut scene, "floor", square(0.5, 0.0, Vec3::Y), white());
+    add(&mut scene, "ceiling", square(0.5, 1.0, Vec3::NEG_Y), white());
+    add(&mut scene, "back", polygon(&back, Vec3::Z), white());
+    add(&mut scene, "left", side(-0.5), diffuse([0.63, 0.06, 0.05]));
+    add(&mut scene, "right", side(0.5), diffuse([0.14, 0.45, 0.09]));
+    add(
+        &mut scene,
+        "lamp",
+        square(0.125, 0.995, Vec3::NEG_Y),
+        emitter(Vec3::new(5000.0, 3600.0, 1900.0), false),
+    );
+    let block = |half: Vec3, sign: f32, at: Vec3| {
+        let floor_to_top = cuboid(Vec3::new(-half.x, 0.0, -half.z), Vec3::new(half.x, half.y, half.z));
+        floor_to_top.moved(Affine3A::from_mat3_translation(turn_7_24_25(sign), at))
+    };
+    let low = block(Vec3::new(0.15, 0.3, 0.15), -1.0, Vec3::new(0.17, 0.0, 0.13));
+    let high = block(Vec3::new(0.15, 0.6, 0.15), 1.0, Vec3::new(-0.17, 0.0, -0.14));
+    add(&mut scene, "low block", low, white());
+    add(&mut scene, "high block", high, white());
+    scene
+}
+
+/// Triangles of several colours, sizes and directions over a floor; the upright one shines to both sides.
+fn emissive_triangles() -> SceneDescription {
+    let mut scene = scene("emissive-triangles", Vec3::new(0.0, 2.0, 5.0), Vec3::new(0.0, 0.6, 0.0));
+    add(&mut scene, "floor", square(3.0, 0.0, Vec3::Y), diffuse([0.5, 0.5, 0.5]));
+    let triangle = |at: Vec3, a: Vec3, b: Vec3, facing: Vec3| polygon(&[at, at + a, at + b], facing);
+    let large = triangle(Vec3::new(-2.0, 1.6, -1.5), Vec3::X * 1.2, Vec3::Z * 1.2, Vec3::NEG_Y);
+    let small = triangle(Vec3::new(1.4, 0.5, 1.0), Vec3::X * 0.15, Vec3::Z * 0.15, Vec3::NEG_Y);
+    let tilted = triangle(
+        Vec3::new(1.0, 1.0, -1.8),
+        Vec3::X * 0.8,
+        Vec3::new(0.0, 0.6, 0.8),
+        Vec3::new(0.0, -0.8, 0.6),
+    );
+    let sliver = triangle(Vec3::new(-1.0, 0.3, 1.6), Vec3::X * 2.0, Vec3::new(1.0, 0.02, 0.0), Vec3::NEG_Z);
+    let upright = triangle(Vec3::new(0.0, 0.1, -0.6), Vec3::Y * 1.2, Vec3::new(0.0, 0.6, 0.9), Vec3::X);
+    add(&mut scene, "large", large, emitter(Vec3::new(80.0, 60.0, 30.0), false));
+    add(&mut scene, "small", small, emitter(Vec3::new(500.0, 3000.0, 1000.0), false));
+    add(&mut scene, "tilted", tilted, emitter(Vec3::new(40.0, 90.0, 400.0), false));
+    add(&mut scene, "sliver", sliver, emitter(Vec3::new(2000.0, 300.0, 1500.0), false));
+    add(&mut scene, "double-sided", upright, emitter(Vec3::new(300.0, 60.0, 20.0), true));
+    scene
+}
+
+/// Five by five lights 1 m over a plane that they all reach.
+fn point_lights() -> SceneDescription {
+    let mut scene = scene("point-lights", Vec3::new(0.0, 3.0, 6.5), Vec3::ZERO);
+    add(&mut scene, "plane", square(4.0, 0.0, Vec3::Y), diffuse([0.6, 0.6, 0.6]));
+    for i in 0..25u8 {
+        let (x, z) = (f32::from(i % 5) - 2.0, f32::from(i / 5) - 2.0);
+        let color = Vec3::new(1.0 + f32::from(i % 3), 1.0 + f32::from(i % 4), 1.0 + f32::from(i % 5));
+        scene.lights.push(PointLight { position: Vec3::new(1.2 * x, 1.0, 1.2 * z), intensity: 2.0 * color });
+    }
+    scene
+}
+
+/// A light 2 m over a plane, and a square of 0.6 m half way: its shadow is a square of 1.2 m.
+fn occluder() -> SceneDescription {
+    let mut scene = scene("occluder", Vec3::new(0.0, 2.5, 3.5), Vec3::ZERO);
+    add(&mut scene, "plane", square(2.0, 0.0, Vec3::Y), diffuse([0.5, 0.5, 0.5]));
+    let screen = Material { double_sided: true, ..diffuse([0.5, 0.2, 0.1]) };
+    add(&mut scene, "screen", square(0.3, 1.0, Vec3::Y), screen);
+    scene.lights.push(PointLight { position: Vec3::new(0.0, 2.0, 0.0), intensity: Vec3::splat(100.0) });
+    scene
+}
+
+/// One mesh four times: as it is, turned, stretched unequally, and mirrored. It has no symmetry of its own, and vertex
+/// colours.
+fn instances() -> SceneDescription {
+    let mut scene = scene("instances", Vec3::new(0.0, 2.2, 5.5), Vec3::new(0.0, 0.5, 0.0));
+    add(&mut scene, "plane", square(3.5, 0.0, Vec3::Y), diffuse([0.5, 0.5, 0.5]));
+    // A flag: a post, and a wedge that points to +x.
+    let post = cuboid(Vec3::new(-0.05, 0.0, -0.05), Vec3::new(0.05, 1.0, 0.05));
+    let [a, b, c] = [Vec3::new(0.05, 0.6, 0.05), Vec3::new(0.6, 0.7, 0.05), Vec3::new(0.05, 1.0, 0.05)];
+    let back = Vec3::new(0.0, 0.0, -0.2);
+    let flag = polygon(&[a, b, c], Vec3::Z)
+        .with(polygon(&[a + back, b + back, c + back], Vec3::NEG_Z))
+        .with(polygon(&[a, b, b + back, a + back], Vec3::NEG_Y))
+        .with(polygon(&[b, c, c + back, b + back], Vec3::new(0.5, 1.0, 0.0)));
+    let mut primitive = post.with(flag).into_primitive(scene.materials.len(), false);
+    let color = |p: &Vec3| Vec4::new(0.2 + p.x.max(0.0), 0.2 + 0.6 * p.y, 0.8 - 0.6 * p.y, 1.0);
+    primitive.colors = primitive.positions.iter().map(color).collect();
+    scene.materials.push(Material { name: "flag".into(), roughness: 0.5, ..Material::default() });
+    scene.meshes.push(Mesh { name: "flag".into(), primitives: vec![primitive] });
+    let stretch = Mat3::from_diagonal(Vec3::new(1.5, 0.6, 3.0));
+    let mirror = Mat3::from_diagonal(Vec3::new(-1.0, 1.0, 1.0));
+    let places = [
+        ("as it is", Mat3::IDENTITY, Vec3::new(-2.0, 0.0, 0.0)),
+        ("turned", turn_7_24_25(1.0) * turn_7_24_25(1.0) * turn_7_24_25(1.0), Vec3::new(-0.5, 0.0, 0.5)),
+        ("stretched", turn_7_24_25(-1.0) * stretch, Vec3::new(0.7, 0.0, -0.8)),
+        ("mirrored", mirror, Vec3::new(2.4, 0.0, 0.0)),
+    ];
+    for (name, linear, at) in places {
+        let transform = Affine3A::from_mat3_translation(linear, at);
+        scene.instances.push(Instance { name: name.into(), mesh: 1, transform });
+    }
+    for (x, intensity) in [(-1.5, Vec3::new(60.0, 50.0, 40.0)), (2.0, Vec3::new(30.0, 40.0, 60.0))] {
+        scene.lights.push(PointLight { position: Vec3::new(x, 2.5, 2.0), intensity });
+    }
+    scene
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn committed() -> PathBuf {
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets/scenes")
+    }
+
+    /// After a wanted change of a scene: `cargo test -p candela --lib rewrite_the_committed_files -- --ignored`.
+    #[test]
+    #[ignore = "writes to assets/scenes"]
+    fn rewrite_the_committed_files() {
+        write_all(&committed()).unwrap();
+    }
+
+    #[test]
+    fn committed_files_are_what_the_generator_writes() {
+        for (name, scene) in all() {
+            let path = committed().join(format!("{name}.glb"));
+            let on_disk = std::fs::read(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+            assert!(on_disk == to_glb(&scene).unwrap(), "{name}.glb is not what the generator writes");
+            assert!(on_disk.len() < 100_000, "{name}.glb has {} bytes", on_disk.len());
+        }
+    }
+
+    /// Parsed by the `gltf` crate, which also validates.
+    #[test]
+    fn files_say_what_the_scenes_are() {
+        for (name, scene) in all() {
+            let (document, buffers, _) = gltf::import(committed().join(format!("{name}.glb"))).unwrap();
+            let mut triangles = 0;
+            for mesh in document.nodes().filter_map(|node| node.mesh()) {
+                for primitive in mesh.primitives() {
+                    let reader = primitive.reader(|buffer| Some(&buffers[buffer.index()]));
+                    triangles += reader.read_indices().unwrap().into_u32().count() / 3;
+                }
+            }
+            assert_eq!(triangles, scene.triangle_count(), "{name}");
+            assert_eq!(document.cameras().count(), 1, "{name}");
+            assert_eq!(document.lights().map_or(0, |lights| lights.len()), scene.lights.len(), "{name}");
+            let emitting = document.materials().filter(|m| m.emissive_factor() != [0.0; 3]).count();
+            assert_eq!(
+                emitting,
+                match name {
+                    "cornell-box" => 1,
+                    "emissive-triangles" => 5,
+                    _ => 0,
+                },
+                "{name}"
+            );
+        }
+    }
+
+    #[test]
+    fn writing_replaces_and_leaves_nothing_behind() {
+        let directory = std::env::temp_dir().join(format!("candela-fixtures-{}", std::process::id()));
+        let first = write_all(&directory).unwrap();
+        assert_eq!(write_all(&directory).unwrap(), first);
+        let entries = std::fs::read_dir(&directory).unwrap().count();
+        std::fs::remove_dir_all(&directory).unwrap();
+        assert_eq!(entries, all().len());
+        // A directory can't be made under a file.
+        let error = write_all(&committed().join("occluder.glb/below")).unwrap_err().to_string();
+        assert!(error.contains("below: can't make the directory"), "{error}");
+    }
+
+    #[test]
+    fn instances_cover_a_mirror_and_a_stretch() {
+        let linear: Vec<Mat3> =
+            instances().instances.iter().map(|i| Mat3::from(i.transform.matrix3)).collect();
+        assert_eq!(linear.iter().filter(|m| m.determinant() < 0.0).count(), 1);
+        let uneven = |m: &&Mat3| m.x_axis.length() > 1.2 * m.y_axis.length();
+        assert_eq!(linear.iter().filter(uneven).count(), 1);
+    }
 }

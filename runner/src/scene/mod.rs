@@ -2,6 +2,7 @@
 
 pub mod atrium;
 pub mod camera;
+pub mod export;
 pub mod fixtures;
 pub mod gltf;
 pub mod lights;

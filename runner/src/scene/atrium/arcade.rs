@@ -38,13 +38,16 @@ fn along_side(profile: &Profile) -> Shape {
 
 fn ground_arch() -> Part {
     let wall = Opening { half_width: ARCH + 0.24, sill: SPRING, springing: SPRING };
-    let face = arched_wall(&wall, BAY, [SPRING, AISLE_CEILING + 0.02], 14);
+    let face = arched_wall(&wall, BAY, [SPRING, AISLE_CEILING + 0.02], 13);
     let both = two_faces(face, ARCADE);
     let arch = Opening { half_width: ARCH, sill: SPRING, springing: SPRING };
-    let key = cuboid(Vec3::new(-0.11, 0.0, -0.43), Vec3::new(0.11, 0.42, 0.43))
-        .shifted(Vec3::new(0.0, SPRING + ARCH - 0.035, 0.0));
+    let key = cuboid(Vec3::new(-0.11, 0.0, -0.43), Vec3::new(0.11, 0.42, 0.43)).shifted(Vec3::new(
+        0.0,
+        SPRING + ARCH - 0.035,
+        0.0,
+    ));
     Part::of(Finish::WhitePlaster, both)
-        .with(Finish::Limestone, sweep(&archivolt(), &opening_frames(&arch, 14)))
+        .with(Finish::Limestone, sweep(&archivolt(), &opening_frames(&arch, 13)))
         .with(Finish::DarkLimestone, key)
 }
 
@@ -88,8 +91,8 @@ fn tondo() -> Part {
         .open();
     // The axis of the lathe turns to -z, into the nave.
     let facing = Affine3A::from_rotation_x(-std::f32::consts::FRAC_PI_2);
-    Part::of(Finish::WhiteGlaze, lathe(&rim, 14).moved(facing))
-        .with(Finish::BlueGlaze, lathe(&dish, 14).moved(facing))
+    Part::of(Finish::WhiteGlaze, lathe(&rim, 12).moved(facing))
+        .with(Finish::BlueGlaze, lathe(&dish, 12).moved(facing))
         .with(Finish::Gold, lathe(&boss, 8).moved(facing))
 }
 
@@ -119,7 +122,7 @@ fn entablature() -> Part {
         .open();
     let mut part = Part::of(Finish::Limestone, along_side(&architrave).with(along_side(&cornice)))
         .with(Finish::GreenMarble, along_side(&frieze));
-    part.add(Finish::Limestone, &dentils(NAVE - face - 0.05, 5.385, [0.10, 0.065, 0.09]));
+    part.add(Finish::Limestone, &dentils(NAVE - face - 0.05, 5.385, [0.10, 0.078, 0.09]));
     part
 }
 
@@ -159,7 +162,7 @@ const UPPER_HALF: f32 = 0.16;
 fn upper_arch() -> Part {
     let wall = Opening { half_width: UPPER_ARCH + 0.12, sill: UPPER_SPRING, springing: UPPER_SPRING };
     let both =
-        two_faces(arched_wall(&wall, BAY * 0.5, [UPPER_SPRING, GALLERY_CEILING + 0.02], 9), UPPER_HALF);
+        two_faces(arched_wall(&wall, BAY * 0.5, [UPPER_SPRING, GALLERY_CEILING + 0.02], 8), UPPER_HALF);
     let arch = Opening { half_width: UPPER_ARCH, sill: UPPER_SPRING, springing: UPPER_SPRING };
     let half = Outline::from(0.135, UPPER_HALF - 0.01)
         .to(0.135, UPPER_HALF + 0.03)
@@ -169,7 +172,7 @@ fn upper_arch() -> Part {
         .0;
     let mirrored = half.iter().rev().map(|p| Vec2::new(p.x, -p.y));
     let profile = Profile::new(&half.iter().copied().chain(mirrored).collect::<Vec<_>>(), false);
-    Part::of(Finish::WhitePlaster, both).with(Finish::Limestone, sweep(&profile, &opening_frames(&arch, 9)))
+    Part::of(Finish::WhitePlaster, both).with(Finish::Limestone, sweep(&profile, &opening_frames(&arch, 8)))
 }
 
 /// The cornice that carries the vault.
@@ -188,9 +191,10 @@ fn upper_entablature() -> Part {
         .arc((face + 0.36, 9.66), 0.08, (0.92, 0.55), 5)
         .to(face + 0.38, 9.76)
         .to(face + 0.38, UPPER_CORNICE)
-        .to(-0.2, UPPER_CORNICE)
+        .to(0.14, UPPER_CORNICE)
+        .to(0.14, UPPER_CORNICE + 0.3)
         .open();
     Part::of(Finish::Limestone, along_side(&outline))
-        .with(Finish::Limestone, dentils(NAVE - face - 0.05, 9.465, [0.10, 0.07, 0.09]))
+        .with(Finish::Limestone, dentils(NAVE - face - 0.05, 9.465, [0.10, 0.09, 0.09]))
         .with(Finish::RedMarble, along_side(&Outline::from(face + 0.026, 9.29).to(face + 0.026, 9.41).open()))
 }

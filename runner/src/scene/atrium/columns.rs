@@ -3,7 +3,7 @@
 use super::kit::{Kit, Part};
 use super::materials::Finish;
 use super::plan::{BAY, BAYS, GALLERY_FLOOR, HALF_LENGTH, NAVE, RAIL, SPRING, UPPER_SPRING, column_lines};
-use crate::scene::shapes::{Outline, Shape, lathe, patch, planar_tube, square_turned};
+use crate::scene::shapes::{Outline, Shape, lathe, patch, square_turned, tube_section};
 use glam::{Affine3A, Quat, Vec2, Vec3};
 use std::f32::consts::{PI, TAU};
 
@@ -44,9 +44,10 @@ fn ground_column() -> Part {
         .to(0.335, 0.39)
         .arc((0.335, 0.435), 0.043, (-0.5, 0.5), 4)
         .to(0.325, 0.485)
-        .arc((0.345, 0.52), 0.038, (1.2, 1.0), 2)
+        .arc((0.356, 0.52), 0.038, (1.2, 1.0), 2)
+        .to(0.28, 0.525)
         .open();
-    let stone = square_turned(&plinth).with(lathe(&base, 18)).with(fluted_shaft()).with(capital());
+    let stone = square_turned(&plinth).with(lathe(&base, 16)).with(fluted_shaft()).with(capital());
     Part::of(Finish::Limestone, stone)
 }
 
@@ -80,8 +81,8 @@ fn shaft_station(u: f32) -> f32 {
 
 /// A bell with two rows of leaves, corner scrolls and a moulded abacus.
 fn capital() -> Shape {
-    let bell = Outline::from(0.262, 2.84)
-        .arc((0.27, 2.885), 0.026, (-0.5, 0.5), 3)
+    let bell = Outline::from(0.24, 2.84)
+        .arc((0.278, 2.885), 0.026, (-0.5, 0.5), 3)
         .to(0.25, 2.92)
         .to(0.252, 3.05)
         .to(0.272, 3.18)
@@ -97,7 +98,7 @@ fn capital() -> Shape {
         .to(0.42, SPRING)
         .to(0.0, SPRING)
         .open();
-    let mut shape = lathe(&bell, 14).with(square_turned(&abacus));
+    let mut shape = lathe(&bell, 12).with(square_turned(&abacus));
     for k in 0..8 {
         let turn = |offset: f32| Affine3A::from_rotation_y(TAU * (k as f32 + offset) / 8.0);
         shape.append(&leaf(0.21, 0.055).shifted(Vec3::new(0.262, 2.89, 0.0)).moved(turn(0.0)));
@@ -115,13 +116,14 @@ fn leaf(height: f32, curl: f32) -> Shape {
         let t = t.min(1.0);
         let over = ((t - 0.55) / 0.45).max(0.0);
         let rise = t.min(0.55) / 0.55 * 0.86 + 0.14 * (PI * 0.75 * over).sin() * 1.2;
-        Vec2::new(0.012 + 0.25 * curl * t * t + curl * (1.0 - (PI * 0.62 * over).cos()), height * rise)
+        Vec2::new(0.012 + 0.25 * curl * t * t + curl * (1.0 - (PI * 0.5 * over).cos()), height * rise)
     };
     let radii = |t: f32| {
         let width = 0.072 * (1.0 - t.powi(4)).max(0.0).sqrt() * (0.72 + 0.28 * (PI * 5.0 * t).cos().abs());
-        Vec2::new(0.011 * (1.0 - t.powi(6)).max(0.0).sqrt(), width)
+        Vec2::new(0.019 * (1.0 - t.powi(6)).max(0.0).sqrt(), width)
     };
-    planar_tube([4, 4], curve, radii)
+    // Front and back meet in a sharp rim.
+    tube_section([4, 2], curve, radii, [0.5, 1.5]).with(tube_section([4, 2], curve, radii, [1.5, 2.5]))
 }
 
 /// A scroll under a corner of the abacus: a disc with a raised rim and eye.
@@ -172,7 +174,7 @@ fn pedestal() -> Part {
 fn upper_column() -> Part {
     let (y, top) = (RAIL, UPPER_SPRING);
     let plinth = Outline::from(0.175, y).to(0.175, y + 0.06).to(0.0, y + 0.06).open();
-    let turned_part = Outline::from(0.15, y + 0.06)
+    let turned_part = Outline::from(0.13, y + 0.055)
         .arc((0.145, y + 0.09), 0.03, (-0.5, 0.5), 3)
         .to(0.135, y + 0.135)
         .arc((0.135, y + 0.16), 0.022, (-0.5, 0.5), 3)
@@ -190,5 +192,5 @@ fn upper_column() -> Part {
         .to(0.0, top)
         .open();
     let stone = square_turned(&plinth).with(square_turned(&abacus));
-    Part::of(Finish::Limestone, stone).with(Finish::WhiteMarble, lathe(&turned_part, 9))
+    Part::of(Finish::Limestone, stone).with(Finish::WhiteMarble, lathe(&turned_part, 8))
 }

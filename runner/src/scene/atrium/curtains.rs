@@ -50,14 +50,13 @@ fn drape(half: f32, phase: f32) -> Shape {
         let width = 0.98 * half * (1.0 - 0.80 * smooth);
         // Cloth between folds sags towards the tie.
         let swag = 0.16 * (PI * (v / TIE).min(1.0)).sin() * u * u;
-        let wave = TAU * (5.5 * u + phase) + 1.3 * (3.0 * v + 5.0 * u + 7.0 * phase).sin() * (0.3 + 0.5 * v);
-        let depth = (0.05 + 0.045 * v) * (1.0 - 0.6 * smooth);
-        let z = depth * wave.sin() + 0.008 * (2.3 * wave + 4.0 * v).sin();
-        let belt = 0.05 * (-((v - TIE) / 0.035).powi(2)).exp();
+        let wave = TAU * (5.5 * u + phase) + 1.3 * (3.0 * v + 5.0 * u + 7.0 * phase).sin() * (0.3 + 0.3 * v);
+        let depth = (0.045 + 0.035 * v) * (1.0 - 0.88 * smooth);
+        let z = depth * wave.sin() + 0.08 * depth * (2.3 * wave + 4.0 * v).sin();
         Vec3::new(
-            -half + 0.03 + width * u + 0.02 * wave.cos(),
+            -half + 0.03 + width * u + 0.02 * (1.0 - 0.8 * smooth) * wave.cos(),
             ROD - 0.02 - (ROD - 0.07) * v - swag,
-            z * (1.0 - 8.0 * belt),
+            z,
         )
     })
 }

@@ -84,7 +84,7 @@ fn border(part: &mut Part, side: f32) {
 
 /// A checkered aisle with a dark edge along the wall.
 fn aisle(part: &mut Part, side: f32) {
-    let rows = 5;
+    let rows = 4;
     let size = (WALL - 0.25 - STRIP[1]) / rows as f32;
     let columns = (2.0 * HALF_LENGTH / size).round() as usize;
     let length = 2.0 * HALF_LENGTH / columns as f32;

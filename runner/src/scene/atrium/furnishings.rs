@@ -5,31 +5,28 @@ use super::materials::Finish;
 use super::plan::{HALF_LENGTH, NAVE, WALL, bay_centers, column_lines};
 use super::walls::{APSE, NICHE_SILL, is_door};
 use crate::scene::shapes::{Outline, Shape, lathe, patch, planar_tube, sphere, square_turned};
-use glam::{Affine3A, Quat, Vec2, Vec3};
+use glam::{Affine3A, Quat, Vec2, Vec3, Vec3Swizzles};
 use std::f32::consts::{PI, TAU};
 
-/// An upright cylinder that no light may be in.
+/// An upright cylinder that no light may float in. m.
 #[derive(Clone, Copy, Debug)]
-pub struct Footprint {
-    pub x: f32,
-    pub z: f32,
+pub struct Obstacle {
+    /// x and z of its axis.
+    pub axis: Vec2,
     pub radius: f32,
-    pub height: f32,
+    /// Its lower and upper end.
+    pub heights: [f32; 2],
 }
 
 /// Urns and planters stand before every other column.
 const BEFORE_COLUMNS: f32 = NAVE - 0.95;
 
 /// Everything that stands on the floor and is higher than a step.
-pub fn footprints() -> Vec<Footprint> {
-    let mut all = vec![Footprint { x: 0.0, z: 0.0, radius: 1.35, height: 2.35 }];
-    for (_, position) in urn_places() {
-        all.push(Footprint { x: position.x, z: position.z, radius: 0.42, height: 1.95 });
-    }
-    for position in planter_places() {
-        all.push(Footprint { x: position.x, z: position.z, radius: 0.9, height: 2.0 });
-    }
-    all
+pub fn obstacles() -> Vec<Obstacle> {
+    let standing = |p: Vec3, radius, height| Obstacle { axis: p.xz(), radius, heights: [0.0, height] };
+    let urns = urn_places().map(|(_, p)| standing(p, 0.42, 1.95));
+    let planters = planter_places().map(|p| standing(p, 1.0, 2.0));
+    std::iter::once(standing(Vec3::ZERO, 1.35, 2.35)).chain(urns).chain(planters).collect()
 }
 
 fn urn_places() -> impl Iterator<Item = (usize, Vec3)> {
@@ -102,7 +99,7 @@ fn amphora() -> Shape {
         .to(0.125, 1.29)
         .to(0.06, 1.24)
         .to(0.0, 1.22);
-    let body = lathe(&smooth(&outline).open(), 15);
+    let body = lathe(&smooth(&outline).open(), 12);
     let handle = planar_tube(
         [8, 5],
         |t| {
@@ -132,7 +129,7 @@ fn ginger_jar() -> Shape {
         .to(0.12, 1.09)
         .to(0.03, 1.12)
         .arc((0.0, 1.16), 0.04, (-0.25, 0.5), 5);
-    lathe(&smooth(&outline).open(), 15)
+    lathe(&smooth(&outline).open(), 12)
 }
 
 fn slim_vase() -> Shape {
@@ -149,7 +146,7 @@ fn slim_vase() -> Shape {
         .to(0.14, 1.51)
         .to(0.05, 1.38)
         .to(0.0, 1.36);
-    lathe(&smooth(&outline).open(), 15)
+    lathe(&smooth(&outline).open(), 12)
 }
 
 /// Chaikin's corner cutting, once: a turned body has no hard edges. The ends stay.
@@ -208,7 +205,7 @@ fn fountain() -> Part {
     let finial = Outline::from(0.08, 1.54)
         .to(0.08, 1.60)
         .to(0.04, 1.66)
-        .arc((0.0, 1.82), 0.14, (-0.4, 0.4), 12)
+        .arc((0.0, 1.82), 0.14, (-0.4, 0.4), 8)
         .to(0.03, 1.98)
         .to(0.05, 2.02)
         .to(0.0, 2.22)
@@ -262,7 +259,7 @@ fn urn(finish: Finish) -> Part {
         .to(0.03, 0.85)
         .arc((0.0, 0.90), 0.05, (-0.3, 0.5), 6)
         .open();
-    Part::of(finish, lathe(&foot, 14).with(body).with(lathe(&upper, 16)))
+    Part::of(finish, lathe(&foot, 20).with(body).with(lathe(&upper, 26)))
 }
 
 /// The urn in the great niche, on its own pedestal.
@@ -294,7 +291,7 @@ fn planter() -> Part {
         .to(0.34, 0.54)
         .open();
     let soil = Outline::from(0.35, 0.55).to(0.2, 0.57).to(0.0, 0.58).open();
-    let mut part = Part::of(Finish::Terracotta, lathe(&pot, 18)).with(Finish::Soil, lathe(&soil, 14));
+    let mut part = Part::of(Finish::Terracotta, lathe(&pot, 16)).with(Finish::Soil, lathe(&soil, 14));
     for i in 0..8 {
         let angle = TAU * i as f32 / 8.0;
         let boss = sphere(0.035, 6).shifted(Vec3::new(0.325 * angle.cos(), 0.33, 0.325 * angle.sin()));

@@ -1,5 +1,6 @@
 //! The lamps: where they hang, what they look like, and where their flames are.
 
+use super::furnishings::Obstacle;
 use super::kit::{Kit, Part, turned};
 use super::materials::Finish;
 use super::plan::{
@@ -8,7 +9,7 @@ use super::plan::{
 };
 use super::vault::point_on_vault;
 use crate::scene::shapes::{Outline, Shape, lathe, planar_tube, sphere, tube};
-use glam::{Affine3A, Mat3, Quat, Vec2, Vec3};
+use glam::{Affine3A, Mat3, Quat, Vec2, Vec3, Vec3Swizzles};
 use std::f32::consts::{PI, TAU};
 
 /// In the order in which a small number of lights is spent on them.
@@ -74,6 +75,17 @@ pub fn flames(kind: Kind) -> Vec<Vec3> {
     }
 }
 
+/// The large lamps, as cylinders.
+pub fn obstacles() -> Vec<Obstacle> {
+    let around = |kind, radius, [low, high]: [f32; 2]| {
+        mounts(kind).into_iter().map(move |mount| {
+            let p = Vec3::from(mount.translation);
+            Obstacle { axis: p.xz(), radius, heights: [p.y + low, p.y + high] }
+        })
+    };
+    around(Kind::Chandelier, 1.1, [-0.5, 0.7]).chain(around(Kind::GalleryLantern, 0.2, [-0.6, 1.0])).collect()
+}
+
 pub fn add(kit: &mut Kit) {
     let rod = kit.mesh("rod", Part::of(Finish::Iron, tube(Vec3::ZERO, Vec3::Y, 0.009, 6)));
     for kind in KINDS {
@@ -106,7 +118,7 @@ fn on_both_sides(mounts: impl Iterator<Item = Affine3A>) -> Vec<Affine3A> {
 /// Lamps under rib `i`; +y of their frames is into the vault. The end ribs touch the walls: theirs hang further in.
 fn rib_mounts(i: usize) -> impl Iterator<Item = Affine3A> {
     let line = i as f32 * BAY - HALF_LENGTH;
-    let x = line.clamp(0.2 - HALF_LENGTH, HALF_LENGTH - 0.2);
+    let x = line.clamp(0.15 - HALF_LENGTH, HALF_LENGTH - 0.15);
     (0..RIB_LAMPS).map(move |k| {
         let angle = PI * VAULT_ANGLE * 0.94 * (2.0 * (k as f32 + 0.5) / RIB_LAMPS as f32 - 1.0);
         let turn = Quat::from_rotation_x(angle);
@@ -132,9 +144,7 @@ fn body(kind: Kind) -> Part {
 
 /// A candle from height 0, of `radius`.
 fn candle(radius: f32, height: f32, segments: usize) -> Shape {
-    let outline = Outline::from(radius, 0.0)
-        .to(radius, height)
-        .to(0.0, height + radius * 0.1);
+    let outline = Outline::from(radius, 0.0).to(radius, height).to(0.0, height + radius * 0.1);
     lathe(&outline.open(), segments)
 }
 
@@ -152,23 +162,17 @@ fn chandelier() -> Part {
         .to(0.0, 0.6)
         .open();
     let hoop = Outline::from(0.975, -0.035).to(0.975, 0.035).to(0.925, 0.035).to(0.925, -0.035).closed();
-    let cup = Outline::from(0.0, 0.03)
-        .to(0.02, 0.03)
-        .to(0.018, 0.05)
-        .to(0.055, 0.075)
-        .to(0.06, 0.10)
-        .to(0.03, 0.085)
-        .open();
-    let mut brass = lathe(&stem, 12).with(lathe(&hoop, 24));
+    let cup = Outline::from(0.0, 0.03).to(0.02, 0.03).to(0.055, 0.075).to(0.06, 0.10).to(0.018, 0.08).open();
+    let mut brass = lathe(&stem, 10).with(lathe(&hoop, 24));
     let mut wax = Shape::default();
     for i in 0..CHANDELIER_CANDLES {
         brass.append(&lathe(&cup, 5).shifted(on_ring(i)));
-        wax.append(&candle(0.022, 0.14, 6).shifted(on_ring(i) + Vec3::Y * 0.085));
+        wax.append(&candle(0.022, 0.14, 6).shifted(on_ring(i) + Vec3::Y * 0.075));
     }
     for i in 0..6 {
         let arm = planar_tube(
-            [6, 4],
-            |t| Vec2::new(0.1 + 0.84 * t, 0.10 - 0.26 * (PI * t).sin() - 0.1 * t),
+            [5, 4],
+            |t| Vec2::new(0.03 + 0.91 * t, 0.10 - 0.26 * (PI * t).sin() - 0.1 * t),
             |_| Vec2::splat(0.014),
         );
         brass.append(&arm.moved(Affine3A::from_rotation_y(TAU * i as f32 / 6.0)));
@@ -186,19 +190,13 @@ fn lantern() -> Part {
         .to(0.0, 0.01)
         .open();
     let under = Outline::from(0.0, -0.155).to(0.14, -0.16).open();
-    let foot = Outline::from(0.0, -0.54)
-        .to(0.018, -0.53)
-        .to(0.012, -0.50)
-        .to(0.06, -0.47)
-        .to(0.115, -0.455)
-        .to(0.115, -0.44)
-        .to(0.0, -0.44)
-        .open();
+    let foot =
+        Outline::from(0.0, -0.54).to(0.018, -0.53).to(0.06, -0.47).to(0.115, -0.44).to(0.0, -0.44).open();
     let mut brass = lathe(&roof, 6).with(lathe(&under, 6)).with(lathe(&foot, 6));
     for i in 0..6 {
         let d = Vec2::from_angle(TAU * i as f32 / 6.0);
         let post = |r: f32, y: f32| Vec3::new(r * d.x, y, r * d.y);
-        brass.append(&tube(post(0.108, -0.45), post(0.135, -0.155), 0.007, 4));
+        brass.append(&tube(post(0.096, -0.444), post(0.135, -0.155), 0.007, 4));
     }
     Part::of(Finish::Brass, brass).with(Finish::Wax, candle(0.03, 0.12, 6).shifted(Vec3::Y * -0.44))
 }
@@ -208,7 +206,7 @@ fn sconce() -> Part {
     let plate = Outline::from(0.07, -0.02).to(0.07, 0.012).to(0.05, 0.022).to(0.0, 0.03).open();
     let facing = Affine3A::from_mat3(Mat3::from_cols(Vec3::NEG_Y, Vec3::X, Vec3::Z));
     let arm = planar_tube(
-        [6, 4],
+        [5, 4],
         |t| Vec2::new(0.27 * (PI * 0.5 * t).sin(), 0.1 * t * t - 0.14 * (PI * t).sin()),
         |_| Vec2::splat(0.012),
     );
@@ -217,11 +215,11 @@ fn sconce() -> Part {
         .to(0.02, 0.10)
         .to(0.065, 0.125)
         .to(0.07, 0.15)
-        .to(0.03, 0.135)
+        .to(0.02, 0.13)
         .open();
     let out = Vec3::X * 0.27;
     let brass = lathe(&plate, 6).moved(facing).with(arm).with(lathe(&cup, 6).shifted(out));
-    Part::of(Finish::Brass, brass).with(Finish::Wax, candle(0.025, 0.15, 6).shifted(out + Vec3::Y * 0.135))
+    Part::of(Finish::Brass, brass).with(Finish::Wax, candle(0.025, 0.15, 6).shifted(out + Vec3::Y * 0.125))
 }
 
 fn candles() -> Part {
@@ -230,7 +228,7 @@ fn candles() -> Part {
     for [x, z, height] in CANDLES {
         let foot = Vec3::new(x, 0.0, z);
         part.add(Finish::Bronze, &lathe(&dish, 6).shifted(foot));
-        part.add(Finish::Wax, &candle(0.036, height - 0.01, 7).shifted(foot + Vec3::Y * 0.008));
+        part.add(Finish::Wax, &candle(0.036, height - 0.01, 6).shifted(foot + Vec3::Y * 0.008));
     }
     part
 }

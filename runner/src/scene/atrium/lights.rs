@@ -1,12 +1,12 @@
 //! The point lights: first the flames of the lamps, then as many more as are asked for, floating in free air.
 
-use super::furnishings::{Footprint, footprints};
-use super::lamps::{KINDS, Kind, flames, mounts};
+use super::furnishings::{self, Obstacle};
+use super::lamps::{self, KINDS, Kind, flames, mounts};
 use super::plan::{
     AISLE_CEILING, GALLERY_CEILING, GALLERY_FLOOR, HALF_LENGTH, NAVE, VAULT_CROWN, VAULT_RADIUS, WALL,
 };
 use crate::scene::PointLight;
-use glam::Vec3;
+use glam::{Vec2, Vec3, Vec3Swizzles};
 use shared::rng::unit_f32;
 
 /// Luminous intensity of all lights together, cd. With it the floor receives about 200 lx.
@@ -60,25 +60,30 @@ fn lamp_lights() -> Vec<(Vec3, f32)> {
 fn filling() -> impl Iterator<Item = (Vec3, f32)> {
     // Inverse powers of the root of x^4 = x + 1, in 64-bit fixed point: exact for any index.
     const STEP: [u64; 3] = [0xd1b5_4a32_d192_ed03, 0xabc9_8388_fb8f_ac02, 0x8cb9_2ba7_2f3d_8dd7];
-    let furniture = footprints();
+    let obstacles = obstacles();
     let size = Vec3::new(2.0 * HALF_LENGTH, VAULT_CROWN, 2.0 * WALL);
     (1u64..).filter_map(move |i| {
         let unit = STEP.map(|step| unit_f32((i.wrapping_mul(step) >> 32) as u32));
         let p = Vec3::from(unit) * size - Vec3::new(HALF_LENGTH, 0.0, WALL);
-        let clearance = clearance(p, &furniture);
+        let clearance = clearance(p, &obstacles);
         let wanted = clearance < 0.7 || unit_f32(hash(i as u32)) < 0.35;
         (clearance >= CLEARANCE && wanted).then_some((p, 0.6))
     })
 }
 
-/// Distance to the nearest wall, floor, ceiling, colonnade or piece of furniture, m; negative inside. Never too large.
-pub fn clearance(p: Vec3, furniture: &[Footprint]) -> f32 {
+/// What stands or hangs in the open.
+fn obstacles() -> Vec<Obstacle> {
+    [furnishings::obstacles(), lamps::obstacles()].concat()
+}
+
+/// Distance to the nearest wall, floor, ceiling, colonnade or obstacle, m; negative inside. Never too large.
+fn clearance(p: Vec3, obstacles: &[Obstacle]) -> f32 {
     let across = p.z.abs();
     let ends = HALF_LENGTH - p.x.abs();
     // Cornices, dado and sills project by up to this from their walls.
     const RELIEF: f32 = 0.3;
     let room = if across < NAVE {
-        let vault = VAULT_RADIUS - (p.y - (VAULT_CROWN - VAULT_RADIUS)).hypot(across) - RELIEF;
+        let vault = VAULT_RADIUS - Vec2::new(p.y - (VAULT_CROWN - VAULT_RADIUS), across).length() - RELIEF;
         let below_vault = if p.y > VAULT_CROWN - VAULT_RADIUS { vault } else { f32::INFINITY };
         (NAVE - COLONNADE - across).min(p.y).min(below_vault)
     } else {
@@ -86,11 +91,11 @@ pub fn clearance(p: Vec3, furniture: &[Footprint]) -> f32 {
         let gallery = (p.y - GALLERY_FLOOR).min(GALLERY_CEILING - 0.2 - p.y);
         (across - NAVE - COLONNADE).min(WALL - 0.16 - across).min(ground.max(gallery))
     };
-    let to_furniture = furniture.iter().map(|f| {
-        let aside = (p.x - f.x).hypot(p.z - f.z) - f.radius;
-        aside.max(p.y - f.height)
+    let to_obstacles = obstacles.iter().map(|o| {
+        let [low, high] = o.heights;
+        (p.xz().distance(o.axis) - o.radius).max(p.y - high).max(low - p.y)
     });
-    to_furniture.fold(room.min(ends - RELIEF), f32::min)
+    to_obstacles.fold(room.min(ends - RELIEF), f32::min)
 }
 
 fn hash(i: u32) -> u32 {
@@ -110,7 +115,7 @@ fn color(i: u32) -> Vec3 {
         Vec3::new(0.85, 0.18, 0.90),
         Vec3::new(1.0, 0.55, 0.08),
     ];
-    let rgb = if h % 8 == 0 {
+    let rgb = if h.is_multiple_of(8) {
         ACCENTS[(h >> 8) as usize % ACCENTS.len()]
     } else {
         let warmth = unit_f32(h.wrapping_mul(0x27d4_eb2d));

@@ -65,3 +65,6 @@ fn cameras() -> Vec<SceneCamera> {
         camera("detail", Vec3::new(-8.1, 1.5, 1.4), Vec3::new(-5.0, 1.55, 4.6), 50.0),
     ]
 }
+
+#[cfg(test)]
+mod tests;

@@ -91,7 +91,7 @@ fn rosette() -> Shape {
         let r = 0.06 + (0.23 * petal - 0.06) * p.x;
         Vec3::new(r * turn.cos(), 0.05 * (1.0 - p.x), -r * turn.sin())
     });
-    let knob = Outline::from(0.075, 0.0).arc((0.0, 0.03), 0.07, (0.0, 0.5), 2).open();
+    let knob = Outline::from(0.075, 0.0).arc((0.0, 0.03), 0.07, (0.0, 0.5), 1).open();
     petals.with(lathe(&knob, 5))
 }
 

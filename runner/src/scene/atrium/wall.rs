@@ -72,6 +72,9 @@ pub fn surround(opening: &Opening, profile: &Profile, steps: usize) -> Shape {
     sweep(profile, &opening_frames(opening, steps))
 }
 
+/// How far mouldings around openings reach into the wall, m.
+pub const MOULDING: f32 = 0.03;
+
 /// The half-round hollow of a niche, `depth` deep, with a fluted shell as its head.
 pub fn niche(opening: &Opening, depth: f32) -> Shape {
     let (a, height) = (opening.half_width, opening.springing - opening.sill);
@@ -79,7 +82,7 @@ pub fn niche(opening: &Opening, depth: f32) -> Shape {
         let (sin, cos) = (PI * p.y).sin_cos();
         Vec3::new(a * cos, opening.sill + height * p.x, -depth * sin)
     });
-    let shell = patch([4, 21], |p| {
+    let shell = patch([4, 18], |p| {
         let (sin_a, cos_a) = (PI * p.y).sin_cos();
         let (sin_b, cos_b) = (0.5 * PI * p.x).sin_cos();
         let flute = 1.0 - 0.07 * (2.0 * sin_b * cos_b) * (PI * 7.0 * p.y).sin().abs();
@@ -93,9 +96,10 @@ pub fn niche(opening: &Opening, depth: f32) -> Shape {
     hollow.with(shell.flipped()).with(polygon(&floor, Vec3::Y))
 }
 
-/// The reveal of `opening`: its jambs and soffit, `depth` into the wall, and its sill.
+/// The reveal of `opening`: its jambs and soffit, from the inner edge of its moulding to `depth` in the wall, and its
+/// sill.
 pub fn reveal(opening: &Opening, depth: f32, steps: usize) -> Shape {
-    let into_wall = Profile::new(&[Vec2::ZERO, Vec2::new(0.0, -depth)], false);
+    let into_wall = Profile::new(&[Vec2::new(0.0, -MOULDING), Vec2::new(0.0, -depth)], false);
     let a = opening.half_width;
     let sill = [(-a, 0.0), (a, 0.0), (a, -depth), (-a, -depth)].map(|(x, z)| Vec3::new(x, opening.sill, z));
     surround(opening, &into_wall, steps).with(polygon(&sill, Vec3::Y))

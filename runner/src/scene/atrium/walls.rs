@@ -6,8 +6,10 @@ use super::plan::{
     AISLE_CEILING, BAY, BAYS, GALLERY_CEILING, GALLERY_FLOOR, HALF_LENGTH, NAVE, VAULT_CROWN, WALL,
     bay_centers,
 };
-use super::wall::{Opening, arched_wall, niche, panel, reveal, surround};
-use crate::scene::shapes::{Outline, Profile, Shape, bevelled_cuboid, cuboid, lathe, polygon, sphere, sweep, tube};
+use super::wall::{MOULDING, Opening, arched_wall, niche, panel, reveal, surround};
+use crate::scene::shapes::{
+    Outline, Profile, Shape, bevelled_cuboid, cuboid, lathe, polygon, sphere, sweep, tube,
+};
 use glam::{Affine3A, Mat3, Vec3};
 
 /// What fills the arched opening of a wall bay.
@@ -120,7 +122,7 @@ fn stretch(s: &Stretch) -> Part {
     match s.kind {
         Kind::Niche => {
             let depth = if s.opening.half_width > 1.0 { APSE_DEPTH } else { 0.48 };
-            part.add(Finish::WhitePlaster, &niche(&s.opening, depth));
+            part.add(Finish::RedPlaster, &niche(&s.opening, depth));
         }
         Kind::Door => part.merge(&door(&s.opening), Affine3A::IDENTITY),
         Kind::Window => part.merge(&window(&s.opening), Affine3A::IDENTITY),
@@ -136,7 +138,7 @@ fn architrave() -> Profile {
         .to(0.11, 0.03)
         .to(0.03, 0.03)
         .arc((0.015, 0.02), 0.015, (0.5, 1.0), 1)
-        .to(0.0, -0.03)
+        .to(0.0, -MOULDING)
         .open()
 }
 
@@ -151,7 +153,7 @@ fn door(opening: &Opening) -> Part {
             let (inner, outer) = (side * 0.06, side * (a - 0.07));
             let min = Vec3::new(inner.min(outer), low, -DEPTH - 0.02);
             let max = Vec3::new(inner.max(outer), high, -DEPTH + 0.035);
-            wood.append(&bevelled_cuboid(min, max, 0.03));
+            wood.append(&bevelled_cuboid(min, max, 0.02));
         }
         brass.append(&ring(0.06, 0.009).shifted(Vec3::new(side * 0.03, 1.2, -DEPTH + 0.03)));
         brass.append(&sphere(0.022, 6).shifted(Vec3::new(side * 0.03, 1.27, -DEPTH + 0.02)));
@@ -175,7 +177,7 @@ fn ring(radius: f32, thickness: f32) -> Shape {
         .map(|i| glam::Vec2::from_angle(std::f32::consts::TAU * i as f32 / 5.0))
         .map(|d| glam::Vec2::new(radius, 0.0) + thickness * d)
         .collect();
-    lathe(&Profile::new(&circle, true), 14).moved(Affine3A::from_rotation_x(std::f32::consts::FRAC_PI_2))
+    lathe(&Profile::new(&circle, true), 12).moved(Affine3A::from_rotation_x(std::f32::consts::FRAC_PI_2))
 }
 
 /// Dark panes behind a bronze lattice.
@@ -190,19 +192,19 @@ fn window(opening: &Opening) -> Part {
             Vec3::new(x, opening.sill, -DEPTH + 0.02),
             Vec3::new(x, top, -DEPTH + 0.02),
             0.016,
-            6,
+            4,
         ));
     }
-    let mut y = opening.sill + 0.3;
+    let mut y = opening.sill + 0.4;
     while y < crown - 0.1 {
         let reach = (a * a - (y - opening.springing).max(0.0).powi(2)).sqrt();
         lattice.append(&tube(
             Vec3::new(-reach, y, -DEPTH + 0.024),
             Vec3::new(reach, y, -DEPTH + 0.024),
             0.016,
-            6,
+            4,
         ));
-        y += 0.3;
+        y += 0.4;
     }
     Part::of(Finish::DarkGlass, panel(opening, -DEPTH, 10))
         .with(Finish::Bronze, lattice)

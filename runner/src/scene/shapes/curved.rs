@@ -2,6 +2,7 @@
 
 use super::{Profile, Shape};
 use glam::{Affine3A, Mat3, Vec2, Vec3};
+use std::collections::HashMap;
 use std::f32::consts::{PI, TAU};
 
 /// The surface of `profile` carried along `frames`. A frame maps the profile's plane (x, y, 0) to space and its z axis
@@ -40,24 +41,17 @@ pub fn lathe(profile: &Profile, segments: usize) -> Shape {
     sweep(profile, &(0..=segments).map(frame).collect::<Vec<_>>())
 }
 
-/// The surface `position(u, v)`, u and v in 0..=1, in `steps` quads; its front has normal dP/du x dP/dv.
+/// The surface `position(u, v)`, u and v in 0..=1, in `steps` quads; its front has normal dP/du x dP/dv. Normals are
+/// those of its triangles, averaged at each place (also across a seam that closes), so they suit coarse steps too.
 pub fn patch(steps: [usize; 2], position: impl Fn(Vec2) -> Vec3) -> Shape {
-    const H: f32 = 1.0 / 512.0;
     let [nu, nv] = steps;
+    let at = |i: usize, j: usize| Vec2::new(i as f32 / nu as f32, j as f32 / nv as f32);
+    let length_u: f32 = (1..=nu).map(|i| position(at(i, nv / 2)).distance(position(at(i - 1, nv / 2)))).sum();
+    let length_v: f32 = (1..=nv).map(|j| position(at(nu / 2, j)).distance(position(at(nu / 2, j - 1)))).sum();
     let mut shape = Shape::default();
-    // Differences stay inside the domain, which also keeps them away from poles on its border.
-    let derivatives = |uv: Vec2| {
-        let c = uv.clamp(Vec2::splat(H), Vec2::splat(1.0 - H));
-        let (du, dv) = (Vec2::new(H, 0.0), Vec2::new(0.0, H));
-        (position(c + du) - position(c - du), position(c + dv) - position(c - dv))
-    };
-    let (along_u, along_v) = derivatives(Vec2::splat(0.5));
-    let size = Vec2::new(along_u.length(), along_v.length()) / (2.0 * H);
     for j in 0..=nv {
         for i in 0..=nu {
-            let uv = Vec2::new(i as f32 / nu as f32, j as f32 / nv as f32);
-            let (along_u, along_v) = derivatives(uv);
-            shape.vertex(position(uv), along_u.cross(along_v).normalize_or(Vec3::Y), uv * size);
+            shape.vertex(position(at(i, j)), Vec3::ZERO, at(i, j) * Vec2::new(length_u, length_v));
         }
     }
     let row = nu as u32 + 1;
@@ -67,17 +61,44 @@ pub fn patch(steps: [usize; 2], position: impl Fn(Vec2) -> Vec3) -> Shape {
             shape.quad([a, a + 1, a + 1 + row, a + row]);
         }
     }
+    average_normals(&mut shape);
     shape
+}
+
+/// Sets each normal to the mean, by area, of the triangles at its position.
+fn average_normals(shape: &mut Shape) {
+    let place = |p: Vec3| p.to_array().map(|x| (x + 0.0).to_bits());
+    let mut sums: HashMap<[u32; 3], Vec3> = HashMap::new();
+    for t in shape.indices.chunks_exact(3) {
+        let [a, b, c] = [t[0], t[1], t[2]].map(|i| shape.positions[i as usize]);
+        let normal = (b - a).cross(c - a);
+        for p in [a, b, c] {
+            *sums.entry(place(p)).or_default() += normal;
+        }
+    }
+    for (n, &p) in shape.normals.iter_mut().zip(&shape.positions) {
+        *n = sums.get(&place(p)).map_or(Vec3::Y, |sum| sum.normalize_or(Vec3::Y));
+    }
 }
 
 /// A closed tube around `curve` (x, y; v in 0..=1) of elliptic section: half-axes in the plane and along z by `radii`.
 /// `steps`: along, around.
 pub fn planar_tube(steps: [usize; 2], curve: impl Fn(f32) -> Vec2, radii: impl Fn(f32) -> Vec2) -> Shape {
+    tube_section(steps, curve, radii, [0.0, 2.0])
+}
+
+/// As [`planar_tube`], but only the part of the section in `turn` (half turns, from the right of the curve).
+pub fn tube_section(
+    steps: [usize; 2],
+    curve: impl Fn(f32) -> Vec2,
+    radii: impl Fn(f32) -> Vec2,
+    [from, to]: [f32; 2],
+) -> Shape {
     patch(steps, |uv| {
         let h = 1e-3;
         let tangent = (curve(uv.x + h) - curve(uv.x - h)).normalize_or(Vec2::Y);
-        // Around by v, whose ends meet with the very same bits.
-        let (sin, cos) = if uv.y == 1.0 { (0.0, 1.0) } else { (TAU * uv.y).sin_cos() };
+        // A whole turn ends with the very bits that it starts with.
+        let (sin, cos) = (PI * ((from + (to - from) * uv.y) % 2.0)).sin_cos();
         let r = radii(uv.x);
         let p = curve(uv.x) + r.x * cos * Vec2::new(tangent.y, -tangent.x);
         p.extend(r.y * sin)

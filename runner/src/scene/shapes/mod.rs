@@ -4,7 +4,7 @@ mod curved;
 mod flat;
 mod profile;
 
-pub use curved::{lathe, patch, planar_tube, sphere, sweep, tube};
+pub use curved::{lathe, patch, planar_tube, sphere, sweep, tube, tube_section};
 pub use flat::{bevelled_cuboid, bevelled_slab, cuboid, polygon, square_turned};
 pub use profile::{Outline, Profile};
 

@@ -1,0 +1,302 @@
+//! Scenes as glTF 2.0: geometry, materials with their textures, point lights, cameras.
+
+use super::{
+    Image, Instance, Material, Mesh, PointLight, Primitive, SceneCamera, SceneDescription, Texture, Wrap,
+};
+use crate::error::{Error, Result};
+use glam::{Mat4, Vec3};
+use image::ImageEncoder;
+use serde_json::{Map, Value, json};
+use std::sync::Arc;
+
+// Numbers of the glTF specification.
+const FLOAT: u32 = 5126;
+const UNSIGNED_SHORT: u32 = 5123;
+const UNSIGNED_INT: u32 = 5125;
+const ARRAY_BUFFER: u32 = 34962;
+const ELEMENT_ARRAY_BUFFER: u32 = 34963;
+const CHUNK_JSON: u32 = 0x4e4f_534a;
+const CHUNK_BIN: u32 = 0x004e_4942;
+/// Near plane of exported cameras, m: glTF asks for one, Candela has none.
+const NEAR: f32 = 0.01;
+
+/// One file: a .glb with everything in it. The same scene gives the same bytes. Fails where a texture's texels do not
+/// fit its size.
+pub fn to_glb(scene: &SceneDescription) -> Result<Vec<u8>> {
+    let (mut root, mut bin) = document(scene)?;
+    if !bin.is_empty() {
+        root.insert("buffers".into(), json!([{ "byteLength": bin.len() }]));
+    }
+    let mut text = Value::Object(root).to_string().into_bytes();
+    text.resize(text.len().next_multiple_of(4), b' ');
+    bin.resize(bin.len().next_multiple_of(4), 0);
+    let chunks = [(CHUNK_JSON, text), (CHUNK_BIN, bin)];
+    let chunks = chunks.iter().filter(|(_, bytes)| !bytes.is_empty());
+    let length: usize = 12 + chunks.clone().map(|(_, bytes)| 8 + bytes.len()).sum::<usize>();
+    let mut glb = Vec::with_capacity(length);
+    glb.extend(b"glTF");
+    glb.extend([2, length as u32].map(u32::to_le_bytes).concat());
+    for (kind, bytes) in chunks {
+        glb.extend([bytes.len() as u32, *kind].map(u32::to_le_bytes).concat());
+        glb.extend(bytes);
+    }
+    Ok(glb)
+}
+
+/// Two files: the text of a .gltf and the bytes of the buffer that it refers to as `buffer_uri`.
+pub fn to_gltf(scene: &SceneDescription, buffer_uri: &str) -> Result<(String, Vec<u8>)> {
+    let (mut root, bin) = document(scene)?;
+    if !bin.is_empty() {
+        root.insert("buffers".into(), json!([{ "byteLength": bin.len(), "uri": buffer_uri }]));
+    }
+    Ok((format!("{:#}\n", Value::Object(root)), bin))
+}
+
+/// The buffer under construction.
+#[derive(Default)]
+struct Binary {
+    bytes: Vec<u8>,
+    views: Vec<Value>,
+    accessors: Vec<Value>,
+}
+
+impl Binary {
+    fn view(&mut self, bytes: &[u8], target: Option<u32>) -> usize {
+        self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
+        let mut view = json!({ "buffer": 0, "byteOffset": self.bytes.len(), "byteLength": bytes.len() });
+        if let Some(target) = target {
+            view["target"] = json!(target);
+        }
+        self.bytes.extend(bytes);
+        self.views.push(view);
+        self.views.len() - 1
+    }
+
+    fn accessor(&mut self, view: usize, component: u32, kind: &str, count: usize) -> usize {
+        let accessor =
+            json!({ "bufferView": view, "componentType": component, "type": kind, "count": count });
+        self.accessors.push(accessor);
+        self.accessors.len() - 1
+    }
+
+    /// A vertex attribute of N floats.
+    fn attribute<T: bytemuck::NoUninit>(&mut self, kind: &str, values: &[T]) -> usize {
+        let view = self.view(bytemuck::cast_slice(values), Some(ARRAY_BUFFER));
+        self.accessor(view, FLOAT, kind, values.len())
+    }
+
+    fn indices(&mut self, indices: &[u32], vertices: usize) -> usize {
+        // 65535 is the restart index: not a vertex.
+        if vertices <= usize::from(u16::MAX) {
+            let short: Vec<u16> = indices.iter().map(|&i| i as u16).collect();
+            let view = self.view(bytemuck::cast_slice(&short), Some(ELEMENT_ARRAY_BUFFER));
+            self.accessor(view, UNSIGNED_SHORT, "SCALAR", indices.len())
+        } else {
+            let view = self.view(bytemuck::cast_slice(indices), Some(ELEMENT_ARRAY_BUFFER));
+            self.accessor(view, UNSIGNED_INT, "SCALAR", indices.len())
+        }
+    }
+}
+
+/// The JSON but for its buffer, and the buffer.
+fn document(scene: &SceneDescription) -> Result<(Map<String, Value>, Vec<u8>)> {
+    let mut bin = Binary::default();
+    let meshes: Vec<Value> = scene.meshes.iter().map(|mesh| mesh_json(mesh, &mut bin)).collect();
+    let (images, textures, samplers) = textures_json(&scene.textures, &mut bin)?;
+    let materials: Vec<Value> = scene.materials.iter().map(material_json).collect();
+    let nodes = nodes_json(scene);
+    let lights: Vec<Value> = scene.lights.iter().map(light_json).collect();
+    let mut root = Map::new();
+    root.insert("asset".into(), json!({ "version": "2.0", "generator": "Candela" }));
+    if !nodes.is_empty() {
+        let all: Vec<usize> = (0..nodes.len()).collect();
+        root.insert("scene".into(), json!(0));
+        root.insert("scenes".into(), json!([{ "name": scene.name, "nodes": all }]));
+    }
+    let mut used = Vec::new();
+    if !lights.is_empty() {
+        used.push("KHR_lights_punctual");
+        root.insert("extensions".into(), json!({ "KHR_lights_punctual": { "lights": lights } }));
+    }
+    if scene.materials.iter().any(|material| material.emission.max_element() > 1.0) {
+        used.push("KHR_materials_emissive_strength");
+    }
+    let cameras = scene.cameras.iter().map(camera_json).collect();
+    let used = used.into_iter().map(Value::from).collect();
+    let lists: [(&str, Vec<Value>); 10] = [
+        ("accessors", bin.accessors),
+        ("bufferViews", bin.views),
+        ("cameras", cameras),
+        ("extensionsUsed", used),
+        ("images", images),
+        ("materials", materials),
+        ("meshes", meshes),
+        ("nodes", nodes),
+        ("samplers", samplers),
+        ("textures", textures),
+    ];
+    // glTF has no empty arrays.
+    root.extend(
+        lists.into_iter().filter(|(_, list)| !list.is_empty()).map(|(key, list)| (key.into(), list.into())),
+    );
+    Ok((root, bin.bytes))
+}
+
+fn mesh_json(mesh: &Mesh, bin: &mut Binary) -> Value {
+    let primitives: Vec<Value> = mesh.primitives.iter().map(|p| primitive_json(p, bin)).collect();
+    json!({ "name": mesh.name, "primitives": primitives })
+}
+
+fn primitive_json(primitive: &Primitive, bin: &mut Binary) -> Value {
+    let mut attributes = Map::new();
+    let mut add = |name: &str, accessor: usize| attributes.insert(name.into(), accessor.into());
+    let position = bin.attribute("VEC3", &primitive.positions);
+    let (min, max) = primitive
+        .positions
+        .iter()
+        .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(min, max), &p| (min.min(p), max.max(p)));
+    bin.accessors[position]["min"] = json!(min.to_array());
+    bin.accessors[position]["max"] = json!(max.to_array());
+    add("POSITION", position);
+    add("NORMAL", bin.attribute("VEC3", &primitive.normals));
+    if !primitive.tangents.is_empty() {
+        add("TANGENT", bin.attribute("VEC4", &primitive.tangents));
+    }
+    if !primitive.uvs.is_empty() {
+        add("TEXCOORD_0", bin.attribute("VEC2", &primitive.uvs));
+    }
+    if !primitive.colors.is_empty() {
+        add("COLOR_0", bin.attribute("VEC4", &primitive.colors));
+    }
+    let indices = bin.indices(&primitive.indices, primitive.positions.len());
+    json!({ "attributes": attributes, "indices": indices, "material": primitive.material })
+}
+
+/// (images, textures, samplers): an image that several textures share is written once.
+fn textures_json(textures: &[Texture], bin: &mut Binary) -> Result<(Vec<Value>, Vec<Value>, Vec<Value>)> {
+    let mut images: Vec<(&Arc<Image>, Value)> = Vec::new();
+    let (mut texture_list, mut samplers) = (Vec::new(), Vec::new());
+    for texture in textures {
+        let known = images.iter().position(|(image, _)| Arc::ptr_eq(image, &texture.image));
+        let source = match known {
+            Some(source) => source,
+            None => {
+                let view = bin.view(&png(&texture.image)?, None);
+                let image =
+                    json!({ "name": texture.image.name, "bufferView": view, "mimeType": "image/png" });
+                images.push((&texture.image, image));
+                images.len() - 1
+            }
+        };
+        let (mag, min) = if texture.linear_filter { (9729, 9987) } else { (9728, 9728) };
+        let [s, t] = texture.wrap.map(wrap_code);
+        let sampler = json!({ "magFilter": mag, "minFilter": min, "wrapS": s, "wrapT": t });
+        let at = samplers.iter().position(|known| *known == sampler).unwrap_or_else(|| {
+            samplers.push(sampler);
+            samplers.len() - 1
+        });
+        texture_list.push(json!({ "source": source, "sampler": at }));
+    }
+    Ok((images.into_iter().map(|(_, json)| json).collect(), texture_list, samplers))
+}
+
+fn wrap_code(wrap: Wrap) -> u32 {
+    match wrap {
+        Wrap::Repeat => 10497,
+        Wrap::MirroredRepeat => 33648,
+        Wrap::ClampToEdge => 33071,
+    }
+}
+
+fn png(image: &Image) -> Result<Vec<u8>> {
+    let Image { name, width, height, texels } = image;
+    if texels.len() as u64 != u64::from(*width) * u64::from(*height) * 4 || texels.is_empty() {
+        let bytes = texels.len();
+        return Err(Error::Usage(format!(
+            "texture '{name}': {bytes} bytes are not {width} x {height} RGBA texels"
+        )));
+    }
+    let mut png = Vec::new();
+    image::codecs::png::PngEncoder::new(&mut png)
+        .write_image(texels, *width, *height, image::ExtendedColorType::Rgba8)
+        .map_err(|error| Error::Usage(format!("texture '{name}': can't be written as PNG: {error}")))?;
+    Ok(png)
+}
+
+fn material_json(material: &Material) -> Value {
+    let mut pbr = json!({
+        "baseColorFactor": material.base_color.to_array(),
+        "metallicFactor": material.metallic,
+        "roughnessFactor": material.roughness,
+    });
+    if let Some(index) = material.base_color_texture {
+        pbr["baseColorTexture"] = json!({ "index": index });
+    }
+    if let Some(index) = material.metallic_roughness_texture {
+        pbr["metallicRoughnessTexture"] = json!({ "index": index });
+    }
+    let mut json =
+        json!({ "name": material.name, "pbrMetallicRoughness": pbr, "doubleSided": material.double_sided });
+    if let Some(index) = material.normal_texture {
+        json["normalTexture"] = json!({ "index": index, "scale": material.normal_scale });
+    }
+    if let Some(index) = material.emissive_texture {
+        json["emissiveTexture"] = json!({ "index": index });
+    }
+    // The factor is limited to 1: the rest is the extension's strength.
+    let strength = material.emission.max_element();
+    if strength > 1.0 {
+        json["extensions"] = json!({ "KHR_materials_emissive_strength": { "emissiveStrength": strength } });
+    }
+    if strength > 0.0 {
+        json["emissiveFactor"] = json!((material.emission / strength.max(1.0)).to_array());
+    }
+    json
+}
+
+/// cd; the color's largest component is 1.
+fn light_json(light: &PointLight) -> Value {
+    let intensity = light.intensity.max_element();
+    let color = if intensity > 0.0 { light.intensity / intensity } else { Vec3::ONE };
+    json!({ "type": "point", "color": color.to_array(), "intensity": intensity })
+}
+
+fn camera_json(camera: &SceneCamera) -> Value {
+    json!({
+        "name": camera.name,
+        "type": "perspective",
+        "perspective": { "yfov": camera.fov_y, "znear": NEAR },
+    })
+}
+
+fn nodes_json(scene: &SceneDescription) -> Vec<Value> {
+    let instance = |instance: &Instance| {
+        let mut node = json!({ "name": instance.name, "mesh": instance.mesh });
+        let matrix = Mat4::from(instance.transform);
+        if matrix != Mat4::IDENTITY {
+            node["matrix"] = json!(matrix.to_cols_array());
+        }
+        node
+    };
+    let camera = |(i, camera): (usize, &SceneCamera)| {
+        // A glTF camera looks along -z of its node.
+        let back = -camera.forward;
+        let right = camera.up.cross(back).normalize_or(back.any_orthonormal_vector());
+        let axes = [right, back.cross(right), back].map(|axis| axis.extend(0.0));
+        let matrix = Mat4::from_cols(axes[0], axes[1], axes[2], camera.position.extend(1.0));
+        json!({ "name": camera.name, "camera": i, "matrix": matrix.to_cols_array() })
+    };
+    let light = |(i, light): (usize, &PointLight)| {
+        json!({
+            "translation": light.position.to_array(),
+            "extensions": { "KHR_lights_punctual": { "light": i } },
+        })
+    };
+    let instances = scene.instances.iter().map(instance);
+    let cameras = scene.cameras.iter().enumerate().map(camera);
+    instances.chain(cameras).chain(scene.lights.iter().enumerate().map(light)).collect()
+}
+
+#[cfg(test)]
+#[path = "export_tests.rs"]
+mod tests;
