@@ -61,7 +61,7 @@ fn cameras() -> Vec<SceneCamera> {
     };
     vec![
         camera("nave", Vec3::new(-13.2, 2.1, 0.8), Vec3::new(3.0, 4.2, -0.4), 60.0),
-        camera("gallery", Vec3::new(-10.5, 7.3, 5.2), Vec3::new(1.5, 5.4, -3.4), 58.0),
+        camera("gallery", Vec3::new(-11.9, 7.25, 4.2), Vec3::new(1.5, 5.2, -3.2), 56.0),
         camera("detail", Vec3::new(-8.1, 1.5, 1.4), Vec3::new(-5.0, 1.55, 4.6), 50.0),
     ]
 }
