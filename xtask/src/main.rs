@@ -62,7 +62,7 @@ fn demo() -> Result<()> {
     setup::run(&setup::Options::default())?;
     let out = command::root().join("out");
     std::fs::create_dir_all(&out).with_context(|| format!("can't create {}", out.display()))?;
-    candela(&["render", "-o", "out/atrium.png"])?;
+    candela(&["render", "--size", "640x360", "-o", "out/atrium.png"])?;
     println!("The picture is {}", out.join("atrium.png").display());
     Ok(())
 }
