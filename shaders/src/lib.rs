@@ -10,6 +10,8 @@ pub mod initial;
 pub mod reference;
 pub mod shade;
 pub mod spatial;
+pub mod spatial_unbiased;
 pub mod temporal;
+pub mod temporal_unbiased;
 pub mod tonemap;
 pub mod trace;

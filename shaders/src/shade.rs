@@ -37,7 +37,8 @@ pub fn shade(
     for lane in 0..frame.settings.reservoirs {
         let stored = reservoirs[reservoir_index(frame, pixel, lane) as usize];
         let proposal = shading::propose(&surface, lights, stored);
-        let visible = !proposal.is_dark() && trace_shadow(tlas, proposal.ray, payload);
+        let known = frame.settings.visibility_is_known();
+        let visible = !proposal.is_dark() && (known || trace_shadow(tlas, proposal.ray, payload));
         lit.add(proposal, visible);
     }
     radiance[index] += lit.radiance();

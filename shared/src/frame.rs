@@ -31,6 +31,23 @@ pub struct Settings {
     pub confidence_cap: f32,
     /// Reservoirs a pixel N, 1..=4; `shade` averages them.
     pub reservoirs: u32,
+    /// One of [`mode`].
+    pub mode: u32,
+}
+
+/// How reused reservoirs are weighted.
+pub mod mode {
+    /// 1/M (Bitterli et al. 2020, Alg. 4).
+    pub const BIASED: u32 = 0;
+    /// Pairwise MIS, with the neighbor's visibility where visibility reuse is on.
+    pub const UNBIASED: u32 = 1;
+}
+
+impl Settings {
+    /// Does a finished reservoir hold a visible sample or none? Then shading needs no ray.
+    pub fn visibility_is_known(&self) -> bool {
+        self.mode == mode::UNBIASED && self.visibility_reuse != 0
+    }
 }
 
 impl Default for Settings {
@@ -48,6 +65,7 @@ impl Default for Settings {
             normal_threshold: 0.906,
             confidence_cap: 20.0,
             reservoirs: 1,
+            mode: mode::BIASED,
         }
     }
 }

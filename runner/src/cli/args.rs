@@ -5,7 +5,7 @@ use crate::scene::SceneSource;
 use crate::vulkan::DeviceOptions;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use glam::UVec2;
-use shared::frame::Settings;
+use shared::frame::{Settings, mode};
 use std::path::PathBuf;
 
 /// Direct lighting from thousands to millions of lights: ReSTIR DI on Vulkan ray tracing, every shader in Rust.
@@ -113,6 +113,8 @@ pub struct InfoArgs {
 pub enum Mode {
     /// 1/M weights (Bitterli et al. 2020, Alg. 4): fast, darkens where neighbors disagree.
     Biased,
+    /// Pairwise MIS with the neighbors' visibility: the right mean, more rays.
+    Unbiased,
 }
 
 /// Every knob of the estimator; see `shared::frame::Settings`.
@@ -199,6 +201,10 @@ impl KnobArgs {
             normal_threshold: self.normal_threshold.to_radians().cos(),
             confidence_cap: self.confidence_cap,
             reservoirs: self.reservoirs,
+            mode: match self.mode {
+                Mode::Biased => mode::BIASED,
+                Mode::Unbiased => mode::UNBIASED,
+            },
         }
     }
 }

@@ -1,8 +1,10 @@
 //! The frame as a readable list of passes, and which buffer each of them finds behind its roles.
 
 use super::pass::{BufferId, Role, Step};
-use super::passes::{gbuffer, initial, reference, shade, spatial, temporal, tonemap};
-use shared::frame::Settings;
+use super::passes::{
+    gbuffer, initial, reference, shade, spatial, spatial_unbiased, temporal, temporal_unbiased, tonemap,
+};
+use shared::frame::{Settings, mode};
 use shared::interface::PassConstants;
 
 /// Lights that one dispatch of the reference adds: short enough that no driver's watchdog bites.
@@ -55,15 +57,20 @@ struct Frame {
 
 impl Frame {
     fn restir(&mut self, settings: &Settings) {
+        let (temporal, spatial) = if settings.mode == mode::UNBIASED {
+            (&temporal_unbiased::PASS, &spatial_unbiased::PASS)
+        } else {
+            (&temporal::PASS, &spatial::PASS)
+        };
         self.push(&initial::PASS, PassConstants::default());
         if settings.temporal != 0 {
-            self.push(&temporal::PASS, PassConstants::default());
+            self.push(temporal, PassConstants::default());
         }
         if settings.spatial != 0 {
             for iteration in 0..settings.spatial_iterations {
                 self.input = self.output;
                 self.output = self.rotation.other(1 - iteration as usize % 2);
-                self.push(&spatial::PASS, PassConstants { iteration, ..Default::default() });
+                self.push(spatial, PassConstants { iteration, ..Default::default() });
             }
         }
         self.input = self.output;

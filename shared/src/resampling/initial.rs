@@ -16,6 +16,12 @@ pub struct Proposal {
 }
 
 impl Proposal {
+    /// `reservoir`, filled at `surface`.
+    pub fn new(surface: &Surface, lights: LightTable<'_>, reservoir: StoredReservoir) -> Self {
+        let ray = ShadowRay::new(surface, &lights.incident(reservoir.sample, surface.position));
+        Proposal { reservoir, ray }
+    }
+
     /// No ray is worth tracing for nothing.
     pub fn is_dark(&self) -> bool {
         self.reservoir.contribution_weight == 0.0
@@ -31,8 +37,7 @@ pub fn propose(surface: &Surface, lights: LightTable<'_>, candidates: u32, rng: 
         let target = target_function(surface, &lights.incident(sample, surface.position));
         reservoir.add(sample, target, safe_ratio(target, source_pdf.0), 1.0, unit_f32(random.w));
     }
-    let ray = ShadowRay::new(surface, &lights.incident(reservoir.sample, surface.position));
-    Proposal { reservoir: reservoir.finish(reservoir.confidence), ray }
+    Proposal::new(surface, lights, reservoir.finish(reservoir.confidence))
 }
 
 /// Visibility reuse (Bitterli et al. 2020, Alg. 5, line 6).

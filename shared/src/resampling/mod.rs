@@ -1,13 +1,18 @@
 //! The three steps of ReSTIR DI, each a pair of pure functions around a ray, and what they share.
 
 pub mod initial;
+pub mod pairwise;
 pub mod spatial;
 pub mod temporal;
 
 use crate::frame::{FrameConstants, Settings};
+use crate::light::LightTable;
 use crate::reservoir::StoredReservoir;
-use crate::surface::GBufferTexel;
+use crate::shadow::ShadowRay;
+use crate::surface::{GBufferTexel, Surface};
+use crate::target::target_function;
 use glam::{UVec2, Vec3};
+use pairwise::CrossTargets;
 
 /// The reservoirs and surfaces of one frame, rows from the top; reservoir `lane` of a pixel lies a whole image after
 /// reservoir `lane - 1`.
@@ -28,4 +33,55 @@ fn is_similar(settings: &Settings, distance: f32, normal: Vec3, texel: &GBufferT
     !texel.is_empty()
         && (texel.distance() - distance).abs() <= settings.depth_threshold * distance
         && texel.normal().dot(normal) >= settings.normal_threshold
+}
+
+/// p̂ of a reservoir's survivor at `surface`; 0 for a reservoir without one.
+fn target_of(surface: &Surface, lights: LightTable<'_>, reservoir: StoredReservoir) -> f32 {
+    if reservoir.contribution_weight <= 0.0 {
+        return 0.0;
+    }
+    target_function(surface, &lights.incident(reservoir.sample, surface.position))
+}
+
+/// Another pixel's reservoir about to be merged, and the ray that asks whether that pixel could have found the canonical
+/// sample.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct CrossProposal {
+    pub neighbor: StoredReservoir,
+    pub targets: CrossTargets,
+    pub ray: ShadowRay,
+}
+
+impl CrossProposal {
+    /// Reservoir `neighbor` of a pixel that sees `there`, against `canonical` of one that sees `here`.
+    fn new(
+        lights: LightTable<'_>,
+        here: &Surface,
+        canonical: StoredReservoir,
+        there: &Surface,
+        neighbor: StoredReservoir,
+    ) -> Self {
+        let incident = lights.incident(canonical.sample, there.position);
+        let sees_canonical = canonical.contribution_weight > 0.0;
+        CrossProposal {
+            neighbor,
+            targets: CrossTargets {
+                neighbor_at_canonical: target_of(here, lights, neighbor),
+                neighbor_at_neighbor: target_of(there, lights, neighbor),
+                canonical_at_neighbor: if sees_canonical { target_function(there, &incident) } else { 0.0 },
+            },
+            ray: ShadowRay::new(there, &incident),
+        }
+    }
+
+    /// No ray is worth tracing for nothing.
+    pub fn is_dark(&self) -> bool {
+        self.targets.canonical_at_neighbor == 0.0
+    }
+
+    /// The targets once the ray has answered.
+    fn seen(self, visible: bool) -> CrossTargets {
+        let canonical_at_neighbor = if visible { self.targets.canonical_at_neighbor } else { 0.0 };
+        CrossTargets { canonical_at_neighbor, ..self.targets }
+    }
 }

@@ -1,12 +1,12 @@
 //! Merges the reservoir that the same surface point had in the previous frame.
 
-use super::{Pixels, is_similar, reservoir_index};
+use super::pairwise::Pairwise;
+use super::{CrossProposal, Pixels, initial, is_similar, reservoir_index, target_of};
 use crate::frame::FrameConstants;
 use crate::light::LightTable;
 use crate::reservoir::{Reservoir, StoredReservoir};
 use crate::rng::{Rng, unit_f32};
 use crate::surface::Surface;
-use crate::target::target_function;
 use glam::{UVec2, Vec2};
 
 /// The pixel of the previous frame that saw `surface`, or none.
@@ -54,10 +54,36 @@ pub fn biased(
     merged.finish(merged.confidence)
 }
 
-/// p̂ of a reservoir's survivor at `surface`.
-pub(super) fn target_of(surface: &Surface, lights: LightTable<'_>, reservoir: StoredReservoir) -> f32 {
-    if reservoir.contribution_weight <= 0.0 {
-        return 0.0;
-    }
-    target_function(surface, &lights.incident(reservoir.sample, surface.position))
+/// Unbiased temporal reuse begins: `current` and the history of its surface, with the ray that asks whether the history's
+/// pixel sees the current sample; none where there is no history.
+pub fn propose(
+    frame: &FrameConstants,
+    lights: LightTable<'_>,
+    surface: &Surface,
+    current: StoredReservoir,
+    previous: Pixels<'_>,
+    lane: u32,
+) -> Option<CrossProposal> {
+    let pixel = reproject(frame, surface, previous)?;
+    let history = previous.reservoirs[reservoir_index(frame, pixel, lane) as usize]
+        .capped(frame.settings.confidence_cap * current.confidence);
+    let texel = previous.gbuffer[frame.pixel_index(pixel) as usize];
+    let there = texel.unpack(&frame.previous_camera, pixel, frame.size);
+    Some(CrossProposal::new(lights, surface, current, &there, history))
+}
+
+/// Unbiased temporal reuse ends (pairwise MIS of two): `visible` answers the proposal's ray. The survivor's own visibility
+/// is still to be asked.
+pub fn accept(
+    lights: LightTable<'_>,
+    surface: &Surface,
+    current: StoredReservoir,
+    proposal: CrossProposal,
+    visible: bool,
+    rng: &mut Rng,
+) -> initial::Proposal {
+    let random = rng.next_u32x4();
+    let mut merge = Pairwise::new(current, target_of(surface, lights, current), proposal.neighbor.confidence);
+    merge.add(proposal.neighbor, proposal.seen(visible), unit_f32(random.x));
+    initial::Proposal::new(surface, lights, merge.finish(unit_f32(random.y)))
 }

@@ -5,17 +5,22 @@ pub mod initial;
 pub mod reference;
 pub mod shade;
 pub mod spatial;
+pub mod spatial_unbiased;
 pub mod temporal;
+pub mod temporal_unbiased;
 pub mod tonemap;
 
 use super::pass::Pass;
 
-/// All passes in the order of a frame; `reference` stands in for the four from `initial` to `shade`.
-pub const ALL: [&Pass; 7] = [
+/// All passes. A frame takes either the biased or the unbiased pair of reuse passes; `reference` stands in for all from `initial`
+/// to `shade`.
+pub const ALL: [&Pass; 9] = [
     &gbuffer::PASS,
     &initial::PASS,
     &temporal::PASS,
     &spatial::PASS,
+    &temporal_unbiased::PASS,
+    &spatial_unbiased::PASS,
     &shade::PASS,
     &reference::PASS,
     &tonemap::PASS,

@@ -1,0 +1,15 @@
+//! Unbiased temporal reuse: works in place, at most two shadow rays a reservoir.
+
+use crate::frame::pass::{Access, Extent, Pass, Rays, Role, Stage};
+
+pub const PASS: Pass = Pass {
+    stem: "temporal_unbiased",
+    stage: Stage::RayTracing(Rays::Shadow),
+    uses: &[
+        (Role::GBuffer, Access::Read),
+        (Role::PreviousGBuffer, Access::Read),
+        (Role::ReservoirsOut, Access::ReadWrite),
+        (Role::ReservoirsHistory, Access::Read),
+    ],
+    extent: Extent::Reservoirs,
+};
