@@ -1,19 +1,31 @@
 //! ReSTIR against the reference on the device, over independent runs of the whole frame sequence.
 //!
-//! Nothing stands between lights and floor and every light reaches every pixel, so the biased 1/M weights have no bias:
-//! the mean of every 8 x 8 block must be the reference's.
+//! The mean of every 8 x 8 block must be the reference's: for the biased 1/M weights where nothing stands between lights and
+//! floor and every light reaches every pixel, for the unbiased mode everywhere.
 
 use candela::scene::{PointLight, Primitive, SceneDescription};
 use glam::{UVec2, Vec3};
-use shared::frame::Settings;
+use shared::frame::{Settings, mode};
 use tests::gpu::{assert_no_validation_messages, device, reference, renderer, restir};
-use tests::scenes::{camera, emitter, scene};
+use tests::scenes::{camera, emitter, scene, square};
 use tests::statistics::{block_means, largest_z, mean_and_error};
 
 const SIZE: UVec2 = UVec2::new(64, 48);
 const REPLICAS: u32 = 48;
 /// Over 48 blocks with Student's t of 47 degrees of freedom: a false alarm in 1e-4 of all runs a case (Sidak).
 const Z_LIMIT: f64 = 5.9;
+
+/// As [`many_lights`], with three squares in between: shadows everywhere, and pixels that see them from above.
+fn occluded_lights() -> SceneDescription {
+    let mut open = many_lights();
+    let squares = [(-0.8, 0.6, 0.2), (0.7, 0.4, 0.5), (0.1, 0.8, -0.9)].map(|(x, y, z)| {
+        let mut square = square(Vec3::new(x, y, z), Vec3::Z * 0.45, Vec3::X * 0.45, 0);
+        square.material = 0;
+        square
+    });
+    open.meshes[0].primitives.extend(squares);
+    open
+}
 
 /// Point lights under emissive triangles that face the floor; strengths over four orders of magnitude.
 fn many_lights() -> SceneDescription {
@@ -55,6 +67,20 @@ fn cases() -> Vec<(&'static str, Settings, u32)> {
     ]
 }
 
+/// Every combination of reuse in the mode that must be right among shadows, with and without visibility reuse.
+fn unbiased_cases() -> Vec<(&'static str, Settings, u32)> {
+    let base =
+        Settings { candidates: 8, radius: 8.0, temporal: 0, mode: mode::UNBIASED, ..Settings::default() };
+    let temporal = Settings { temporal: 1, spatial: 0, ..base };
+    vec![
+        ("unbiased spatial", base, 1),
+        ("unbiased spatial without visibility reuse", Settings { visibility_reuse: 0, ..base }, 1),
+        ("unbiased temporal", temporal, 4),
+        ("unbiased temporal without visibility reuse", Settings { visibility_reuse: 0, ..temporal }, 4),
+        ("unbiased temporal and spatial, two reservoirs", Settings { temporal: 1, reservoirs: 2, ..base }, 4),
+    ]
+}
+
 fn replicas(run: impl FnMut(u32) -> Vec<Vec3>) -> Vec<(f64, f64)> {
     let samples: Vec<_> = (1..=REPLICAS).map(run).map(|image| block_means(&image, SIZE)).collect();
     mean_and_error(&samples)
@@ -77,6 +103,32 @@ fn reuse_has_the_mean_of_the_reference() {
             truth[block]
         );
     }
+    assert_no_validation_messages(device);
+}
+
+/// Among shadows the unbiased mode has the reference's mean, and the biased mode has not: the same test sees its bias.
+#[test]
+fn unbiased_reuse_is_right_among_shadows() {
+    let Some(device) = device() else { return };
+    let camera = camera(SIZE);
+    let mut renderer = renderer(device, &occluded_lights(), SIZE, 2);
+    let truth = replicas(|seed| reference(&mut renderer, camera, 1000 + seed));
+    for (name, settings, frames) in unbiased_cases() {
+        let means = replicas(|seed| restir(&mut renderer, camera, settings, frames, seed));
+        let (z, block) = largest_z(&means, &truth);
+        println!("{name}: largest z {z:.2} in block {block}");
+        assert!(
+            z < Z_LIMIT,
+            "{name}: block {block} is off by {z} standard errors: {:?} {:?}",
+            means[block],
+            truth[block]
+        );
+    }
+    let (_, settings, frames) = unbiased_cases()[4];
+    let biased = Settings { mode: mode::BIASED, ..settings };
+    let means = replicas(|seed| restir(&mut renderer, camera, biased, frames, seed));
+    let z = largest_z(&means, &truth).0;
+    assert!(z > Z_LIMIT, "the biased mode's bias was not seen: {z}");
     assert_no_validation_messages(device);
 }
 
