@@ -1,11 +1,11 @@
 //! The whole estimator on the CPU, against the sum over all lights in closed form.
 //!
-//! Scene: a floor under point lights, nothing in between. Every light reaches every pixel, so the biased 1/M weights
-//! have no bias here, and the mean over independent runs must be the sum.
+//! Scene: a floor under point lights. With nothing in between, every light reaches every pixel, so the biased 1/M weights
+//! have no bias, and the mean over independent runs must be the sum; with a screen in between, the unbiased mode's must.
 
 use shared::alias_table::AliasEntry;
 use shared::camera::Camera;
-use shared::frame::{FrameConstants, Settings};
+use shared::frame::{FrameConstants, Settings, mode};
 use shared::geometry::SurfacePoint;
 use shared::glam::{DVec3, UVec2, Vec2, Vec3};
 use shared::light::{Light, LightTable, build_alias_table};
@@ -15,7 +15,9 @@ use shared::resampling::{Pixels, initial, reservoir_index, spatial, temporal};
 use shared::reservoir::StoredReservoir;
 use shared::rng::{Rng, Stream};
 use shared::shading;
+use shared::shadow::ShadowRay;
 use shared::surface::GBufferTexel;
+use shared::surface::Surface;
 
 const SIZE: UVec2 = UVec2::new(16, 12);
 const SEEDS: u32 = 400;
@@ -27,6 +29,21 @@ struct Scene {
     alias: Vec<AliasEntry>,
     gbuffer: Vec<GBufferTexel>,
     camera: Camera,
+    /// A square screen at y = 0.25, |x| < 0.6, |z| < 0.6, seen by shadow rays only.
+    screen: bool,
+    /// Planted error: neighbors claim to see every canonical sample.
+    deaf: bool,
+}
+
+impl Scene {
+    fn visible(&self, from: DVec3, to: DVec3) -> bool {
+        let at = from + (to - from) * ((0.25 - from.y) / (to.y - from.y));
+        !(self.screen && to.y > 0.25 && at.x.abs() < 0.6 && at.z.abs() < 0.6)
+    }
+
+    fn trace(&self, ray: ShadowRay) -> bool {
+        self.visible(ray.origin.as_dvec3(), (ray.origin + ray.direction).as_dvec3())
+    }
 }
 
 fn pixels() -> impl Iterator<Item = UVec2> {
@@ -53,7 +70,7 @@ fn scene(lights: Vec<Light>) -> Scene {
         })
         .collect();
     let alias = build_alias_table(&lights);
-    Scene { lights, alias, gbuffer, camera }
+    Scene { lights, alias, gbuffer, camera, screen: false, deaf: false }
 }
 
 /// Lights whose power differs by six orders of magnitude, near and far.
@@ -75,7 +92,8 @@ fn truth(scene: &Scene) -> f64 {
         let surface = texel.unpack(&scene.camera, pixel, SIZE);
         let x = surface.position.as_dvec3();
         let wo = (scene.camera.position.as_dvec3() - x).normalize();
-        let sum: DVec3 = scene.lights.iter().map(|light| reflected(&surface.reflectance, x, wo, light)).sum();
+        let lit = scene.lights.iter().filter(|light| scene.visible(x, light.position.as_dvec3()));
+        let sum: DVec3 = lit.map(|light| reflected(&surface.reflectance, x, wo, light)).sum();
         sum.dot(DVec3::new(0.2126, 0.7152, 0.0722))
     };
     pixels().map(of_pixel).sum::<f64>() / f64::from(SIZE.x * SIZE.y)
@@ -121,49 +139,100 @@ fn run(scene: &Scene, settings: Settings, frames: u32, seed: u32) -> f64 {
             let mut rng = Rng::new(pixel, index, seed, Stream::Initial, lane);
             let proposal = initial::propose(&surface(pixel), lights, settings.candidates, &mut rng);
             let i = reservoir_index(&frame, pixel, lane) as usize;
-            reservoirs[i] = initial::accept(proposal, true);
-            if settings.temporal != 0 {
-                let previous = Pixels { gbuffer: &scene.gbuffer, reservoirs: &history };
-                let mut rng = Rng::new(pixel, index, seed, Stream::Temporal, lane);
-                reservoirs[i] = temporal::biased(
-                    &frame,
-                    lights,
-                    &surface(pixel),
-                    reservoirs[i],
-                    previous,
-                    lane,
-                    &mut rng,
-                );
-            }
+            let reuse = settings.visibility_reuse != 0;
+            let fresh = initial::accept(proposal, !reuse || scene.trace(proposal.ray));
+            let previous = Pixels { gbuffer: &scene.gbuffer, reservoirs: &history };
+            reservoirs[i] =
+                reuse_history(scene, &frame, lights, &surface(pixel), fresh, previous, lane, pixel);
         }
         for iteration in 0..settings.spatial_iterations * settings.spatial {
             let input = Pixels { gbuffer: &scene.gbuffer, reservoirs: &reservoirs };
             reservoirs = all()
                 .map(|(pixel, lane)| {
-                    let mut rng = Rng::new(pixel, index, seed, Stream::Spatial, lane + lanes * iteration);
-                    spatial::biased(&frame, lights, &surface(pixel), input, pixel, lane, &mut rng)
+                    let rng = Rng::new(pixel, index, seed, Stream::Spatial, lane + lanes * iteration);
+                    reuse_neighbors(scene, &frame, lights, &surface(pixel), input, lane, pixel, rng)
                 })
                 .collect();
         }
         image = pixels()
-            .map(|pixel| f64::from(luminance(shaded(&frame, lights, &surface(pixel), &reservoirs, pixel))))
+            .map(|pixel| {
+                f64::from(luminance(shaded(scene, &frame, lights, &surface(pixel), &reservoirs, pixel)))
+            })
             .sum();
         history = reservoirs;
     }
     image / f64::from(SIZE.x * SIZE.y)
 }
 
-fn shaded(
+/// The temporal pass of one pixel, as the shaders have it.
+#[allow(clippy::too_many_arguments)]
+fn reuse_history(
+    scene: &Scene,
     frame: &FrameConstants,
     lights: LightTable<'_>,
-    surface: &shared::surface::Surface,
+    surface: &Surface,
+    fresh: StoredReservoir,
+    previous: Pixels<'_>,
+    lane: u32,
+    pixel: UVec2,
+) -> StoredReservoir {
+    let mut rng = Rng::new(pixel, frame.index, frame.seed, Stream::Temporal, lane);
+    if frame.settings.temporal == 0 {
+        return fresh;
+    }
+    if frame.settings.mode == mode::BIASED {
+        return temporal::biased(frame, lights, surface, fresh, previous, lane, &mut rng);
+    }
+    let Some(proposal) = temporal::propose(frame, lights, surface, fresh, previous, lane) else {
+        return fresh;
+    };
+    let blind = !frame.settings.visibility_is_known();
+    let visible = blind || scene.trace(proposal.ray);
+    let merged = temporal::accept(lights, surface, fresh, proposal, visible, &mut rng);
+    initial::accept(merged, blind || scene.trace(merged.ray))
+}
+
+/// The spatial pass of one pixel, as the shaders have it.
+#[allow(clippy::too_many_arguments)]
+fn reuse_neighbors(
+    scene: &Scene,
+    frame: &FrameConstants,
+    lights: LightTable<'_>,
+    surface: &Surface,
+    pixels: Pixels<'_>,
+    lane: u32,
+    pixel: UVec2,
+    mut rng: Rng,
+) -> StoredReservoir {
+    if frame.settings.mode == mode::BIASED {
+        return spatial::biased(frame, lights, surface, pixels, pixel, lane, &mut rng);
+    }
+    let blind = !frame.settings.visibility_is_known();
+    let mut merge = spatial::begin(frame, lights, surface, pixels, pixel, lane, rng);
+    for _ in 0..frame.settings.neighbors {
+        let (proposal, u) = spatial::propose(frame, lights, surface, pixels, pixel, lane, &mut rng);
+        if let Some(proposal) = proposal {
+            let visible = blind || scene.deaf || scene.trace(proposal.ray);
+            spatial::accept(&mut merge, proposal, visible, u);
+        }
+    }
+    let merged = spatial::finish(surface, lights, merge, &mut rng);
+    initial::accept(merged, blind || scene.trace(merged.ray))
+}
+
+fn shaded(
+    scene: &Scene,
+    frame: &FrameConstants,
+    lights: LightTable<'_>,
+    surface: &Surface,
     reservoirs: &[StoredReservoir],
     pixel: UVec2,
 ) -> Vec3 {
     let mut average = shading::Average::default();
     for lane in 0..frame.settings.reservoirs {
         let stored = reservoirs[reservoir_index(frame, pixel, lane) as usize];
-        average.add(shading::propose(surface, lights, stored), true);
+        let proposal = shading::propose(surface, lights, stored);
+        average.add(proposal, scene.trace(proposal.ray));
     }
     average.radiance()
 }
@@ -243,4 +312,34 @@ fn a_single_light_is_exact() {
         let error = run(&scene, settings, frames, 3) / truth(&scene) - 1.0;
         assert!(error.abs() < 1e-4, "{name}: relative error {error}");
     }
+}
+
+fn unbiased_cases() -> Vec<(&'static str, Settings, u32)> {
+    let unbiased = |(name, settings, frames)| (name, Settings { mode: mode::UNBIASED, ..settings }, frames);
+    let with_visibility = cases().into_iter().skip(4).map(unbiased);
+    let blind = |(name, s, frames)| (name, Settings { visibility_reuse: 0, ..s }, frames);
+    with_visibility.clone().chain(with_visibility.map(blind)).collect()
+}
+
+#[test]
+fn unbiased_reuse_has_the_right_mean_behind_a_screen() {
+    let scene = Scene { screen: true, ..scene(uneven_lights()) };
+    let truth = truth(&scene);
+    for (name, settings, frames) in unbiased_cases() {
+        let t = t_statistic(&scene, truth, settings, frames);
+        assert!(t.abs() < T_LIMIT, "{name}, visibility reuse {}: t = {t}", settings.visibility_reuse);
+    }
+}
+
+/// Negative controls for the unbiased mode: 1/M weights, and MIS weights without the neighbors' rays, are seen.
+#[test]
+fn planted_errors_of_the_unbiased_mode_are_seen() {
+    let right = Scene { screen: true, ..scene(uneven_lights()) };
+    let truth = truth(&right);
+    let biased = Settings { candidates: 32, radius: 4.0, temporal: 0, ..Settings::default() };
+    let t = t_statistic(&right, truth, biased, 1);
+    assert!(t.abs() > T_LIMIT, "the biased mode's bias was not seen: t = {t}");
+    let deaf = Scene { deaf: true, ..right };
+    let t = t_statistic(&deaf, truth, Settings { mode: mode::UNBIASED, ..biased }, 1);
+    assert!(t.abs() > T_LIMIT, "rays left out of the MIS weights were not seen: t = {t}");
 }
