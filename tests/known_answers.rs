@@ -56,6 +56,37 @@ fn one_point_light_over_a_floor() {
     assert_no_validation_messages(device);
 }
 
+/// The reference adds every light exactly once, in as many dispatches as it takes. Tolerance as above, and f32 sums.
+#[test]
+fn the_reference_sums_every_light_once() {
+    let Some(device) = device() else { return };
+    // A prime number of lights, so that the last dispatch is not full; each in a place of its own.
+    let lights: Vec<_> = (0..211)
+        .map(|i| {
+            let angle = i as f32 * 2.4;
+            let radius = 0.02 * i as f32;
+            let position = Vec3::new(radius * angle.cos(), 0.5 + (i % 7) as f32 * 0.2, radius * angle.sin());
+            PointLight { position, intensity: Vec3::new(1.0, 2.0, 3.0) * (1.0 + (i % 5) as f32) }
+        })
+        .collect();
+    let camera = camera(SIZE);
+    let eye = camera.position.as_dvec3();
+    let sum_of = |lights: &[PointLight]| -> Vec<DVec3> {
+        let sum = |x: DVec3| lights.iter().map(|light| floor_radiance(x, eye, light)).sum();
+        pixels().map(|(_, p)| floor_point(&camera, p, SIZE).map_or(DVec3::ZERO, sum)).collect()
+    };
+    let truth = sum_of(&lights);
+    let mut renderer = renderer(device, &scene(vec![], vec![], lights.clone()), SIZE, 0);
+    let image = reference(&mut renderer, camera, 1);
+    let error = largest_error(&image, &truth);
+    let single = truth.iter().map(|c| c.as_vec3()).collect::<Vec<_>>();
+    assert!(error < 1e-3, "error {error}; {}", failure::write("reference-sum", SIZE, &image, &single));
+    // Negative control: one light too few, at a border between dispatches, is seen.
+    let fewer = [&lights[..64], &lights[65..]].concat();
+    assert!(largest_error(&image, &sum_of(&fewer)) > 1e-3, "a lost light was not seen");
+    assert_no_validation_messages(device);
+}
+
 const OCCLUDER: Vec3 = Vec3::new(0.2, 1.0, 0.1);
 const HALF: f64 = 0.35;
 

@@ -10,7 +10,8 @@ use shared::camera::Camera;
 use shared::frame::Settings;
 use std::sync::OnceLock;
 
-/// The device, under validation; none only where `CANDELA_ALLOW_NO_GPU=1` allows a machine without one.
+/// The device, under validation unless `CANDELA_NO_VALIDATION=1`; none only where `CANDELA_ALLOW_NO_GPU=1` allows a machine
+/// without one.
 pub fn device() -> Option<&'static Device> {
     static DEVICE: OnceLock<Option<Device>> = OnceLock::new();
     DEVICE
