@@ -14,8 +14,9 @@ use std::sync::OnceLock;
 /// without one.
 pub fn device() -> Option<&'static Device> {
     static DEVICE: OnceLock<Option<Device>> = OnceLock::new();
+    let validate = std::env::var("CANDELA_NO_VALIDATION").as_deref() != Ok("1");
     DEVICE
-        .get_or_init(|| match Device::new(&DeviceOptions { validate: true, ..DeviceOptions::default() }) {
+        .get_or_init(|| match Device::new(&DeviceOptions { validate, ..DeviceOptions::default() }) {
             Ok(device) => Some(device),
             Err(error) if std::env::var("CANDELA_ALLOW_NO_GPU").as_deref() == Ok("1") => {
                 eprintln!("skipped: {error}");
