@@ -31,11 +31,13 @@ pub fn reference(
     let surface = texel.unpack(&frame.camera, pixel, frame.size);
     let mut rng = Rng::new(pixel, frame.index, frame.seed, Stream::Reference, constants.first_light);
     let mut sum = Vec3::ZERO;
-    for light in constants.first_light..constants.first_light + constants.light_count {
+    let mut light = constants.first_light;
+    while light < constants.first_light + constants.light_count {
         let proposal = reference::propose(&surface, &lights[light as usize], rng.next_u32x4().x);
         if !proposal.is_dark() && trace_shadow(tlas, proposal.ray, payload) {
             sum += proposal.radiance;
         }
+        light += 1;
     }
     radiance[index] += sum;
 }

@@ -34,12 +34,14 @@ pub fn shade(
     let surface = texel.unpack(&frame.camera, pixel, frame.size);
     let lights = LightTable { lights, alias };
     let mut lit = shading::Average::default();
-    for lane in 0..frame.settings.reservoirs {
+    let mut lane = 0;
+    while lane < frame.settings.reservoirs {
         let stored = reservoirs[reservoir_index(frame, pixel, lane) as usize];
         let proposal = shading::propose(&surface, lights, stored);
         let known = frame.settings.visibility_is_known();
         let visible = !proposal.is_dark() && (known || trace_shadow(tlas, proposal.ray, payload));
         lit.add(proposal, visible);
+        lane += 1;
     }
     radiance[index] += lit.radiance();
 }

@@ -40,12 +40,14 @@ pub fn spatial_unbiased(
     let mut rng = Rng::new(pixel, frame.index, frame.seed, Stream::Spatial, repetition);
     let asks = frame.settings.visibility_is_known();
     let mut merge = spatial::begin(frame, lights, &surface, pixels, pixel, lane, rng);
-    for _ in 0..frame.settings.neighbors {
+    let mut neighbor = 0;
+    while neighbor < frame.settings.neighbors {
         let (proposal, u) = spatial::propose(frame, lights, &surface, pixels, pixel, lane, &mut rng);
         if let Some(proposal) = proposal {
             let visible = !asks || proposal.is_dark() || trace_shadow(tlas, proposal.ray, payload);
             spatial::accept(&mut merge, proposal, visible, u);
         }
+        neighbor += 1;
     }
     let proposal = spatial::finish(&surface, lights, merge, &mut rng);
     let visible = !asks || proposal.is_dark() || trace_shadow(tlas, proposal.ray, payload);

@@ -1,4 +1,7 @@
 //! The only two ways a ray leaves a shader.
+//!
+//! Loops around a trace are `while` loops over integers: NVIDIA's driver (580.159) loses or repeats iterations of what rust-gpu 0.10
+//! makes of `for .. in range` when some rays of a warp are skipped (seen as lights added twice or never by `reference`).
 
 use shared::glam::Vec3;
 use shared::interface::{HitPayload, ShadowPayload, miss};
