@@ -11,5 +11,6 @@ pub mod reference;
 pub mod shade;
 pub mod spatial;
 pub mod temporal;
+pub mod textures;
 pub mod tonemap;
 pub mod trace;

@@ -89,4 +89,8 @@ pub mod features {
     pub const TEXTURES: u32 = 1;
     /// At least one material has a normal map.
     pub const NORMAL_MAPS: u32 = 2;
+    /// At least one texture has a transform or reads the second uv set.
+    pub const UV_MAPS: u32 = 4;
+    /// At least one material is masked or blended: any-hit shaders run on its triangles.
+    pub const ALPHA: u32 = 8;
 }

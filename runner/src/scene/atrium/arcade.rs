@@ -41,8 +41,11 @@ fn ground_arch() -> Part {
     let face = arched_wall(&wall, BAY, [SPRING, AISLE_CEILING + 0.02], 14);
     let both = two_faces(face, ARCADE);
     let arch = Opening { half_width: ARCH, sill: SPRING, springing: SPRING };
-    let key = cuboid(Vec3::new(-0.11, 0.0, -0.43), Vec3::new(0.11, 0.42, 0.43))
-        .shifted(Vec3::new(0.0, SPRING + ARCH - 0.035, 0.0));
+    let key = cuboid(Vec3::new(-0.11, 0.0, -0.43), Vec3::new(0.11, 0.42, 0.43)).shifted(Vec3::new(
+        0.0,
+        SPRING + ARCH - 0.035,
+        0.0,
+    ));
     Part::of(Finish::WhitePlaster, both)
         .with(Finish::Limestone, sweep(&archivolt(), &opening_frames(&arch, 14)))
         .with(Finish::DarkLimestone, key)

@@ -132,9 +132,7 @@ fn body(kind: Kind) -> Part {
 
 /// A candle from height 0, of `radius`.
 fn candle(radius: f32, height: f32, segments: usize) -> Shape {
-    let outline = Outline::from(radius, 0.0)
-        .to(radius, height)
-        .to(0.0, height + radius * 0.1);
+    let outline = Outline::from(radius, 0.0).to(radius, height).to(0.0, height + radius * 0.1);
     lathe(&outline.open(), segments)
 }
 

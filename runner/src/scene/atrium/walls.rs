@@ -7,7 +7,9 @@ use super::plan::{
     bay_centers,
 };
 use super::wall::{Opening, arched_wall, niche, panel, reveal, surround};
-use crate::scene::shapes::{Outline, Profile, Shape, bevelled_cuboid, cuboid, lathe, polygon, sphere, sweep, tube};
+use crate::scene::shapes::{
+    Outline, Profile, Shape, bevelled_cuboid, cuboid, lathe, polygon, sphere, sweep, tube,
+};
 use glam::{Affine3A, Mat3, Vec3};
 
 /// What fills the arched opening of a wall bay.
