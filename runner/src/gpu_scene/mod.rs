@@ -128,8 +128,9 @@ fn geometries(arrays: &SceneArrays, positions: &Buffer, indices: &Buffer) -> Vec
     arrays.parts.iter().map(|part| part.ranges.iter().map(geometry).collect()).collect()
 }
 
-/// Vulkan takes the facing in object space, so a transform that mirrors changes nothing: glTF's outside is where the
-/// corners run counter-clockwise there. Only rays that cull look at it; double-sided parts are never culled.
+/// Vulkan takes the facing in object space, so a transform that mirrors changes nothing: its front, where corners run
+/// clockwise in left-handed coordinates, is glTF's, where they run counter-clockwise in right-handed ones. Only rays that
+/// cull look at it; double-sided parts are never culled.
 fn tlas_instances(scene: &SceneDescription, arrays: &SceneArrays) -> Vec<TlasInstance> {
     use vk::GeometryInstanceFlagsKHR as Flags;
     let place = |placement: &arrays::Placement| TlasInstance {
@@ -139,7 +140,7 @@ fn tlas_instances(scene: &SceneDescription, arrays: &SceneArrays) -> Vec<TlasIns
         blas: placement.part,
         flags: match arrays.parts[placement.part].double_sided {
             true => Flags::TRIANGLE_FACING_CULL_DISABLE,
-            false => Flags::TRIANGLE_FRONT_COUNTERCLOCKWISE,
+            false => Flags::empty(),
         },
     };
     arrays.placements.iter().map(place).collect()
