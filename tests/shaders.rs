@@ -13,7 +13,7 @@ use std::process::Command;
 use tests::spirv::{Layout, Spirv};
 
 fn workspace() -> &'static Path {
-    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap()
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap_or(Path::new("."))
 }
 
 #[test]
@@ -71,6 +71,7 @@ fn every_module_has_its_entry_point() {
             Some(Stage::Compute) => ExecutionModel::GLCompute,
             Some(Stage::RayTracing(_)) => ExecutionModel::RayGenerationNV,
             None if stem.ends_with("_miss") => ExecutionModel::MissNV,
+            None if stem.ends_with("_any_hit") => ExecutionModel::AnyHitNV,
             None => ExecutionModel::ClosestHitNV,
         };
         assert_eq!(Spirv::parse(code).entry_points(), [(expected, stem.to_string())]);
@@ -91,7 +92,10 @@ fn element(set: u32, binding: u32) -> Option<(&'static str, usize)> {
         (scene::SET, scene::POSITIONS) => ("fff", 12),
         (scene::SET, scene::ATTRIBUTES) => ("uuffu", size_of::<VertexAttributes>()),
         (scene::SET, scene::INDICES) => ("u", 4),
-        (scene::SET, scene::MATERIALS) => ("ffffffffuuuufuuu", size_of::<Material>()),
+        (scene::SET, scene::MATERIALS) => {
+            ("ffffffffffffffuuuuuffffffuffffffuffffffuffffffu", size_of::<Material>())
+        }
+        (scene::SET, scene::SECOND_UVS) => ("ff", size_of::<glam::Vec2>()),
         (scene::SET, scene::LIGHTS) => ("fffufffuffffffff", size_of::<Light>()),
         (scene::SET, scene::ALIAS) => ("uuff", size_of::<AliasEntry>()),
         (frame::SET, frame::GBUFFER | frame::PREVIOUS_GBUFFER) => ("uuuuuuuu", size_of::<GBufferTexel>()),
@@ -147,14 +151,16 @@ fn passes_declare_what_their_shaders_use() {
 
 #[test]
 fn payloads_and_push_constants_have_one_layout() {
-    let hit = Layout { scalars: "uuuff".into(), dense: true, stride: None };
-    let shadow = Layout { scalars: "u".into(), dense: true, stride: None };
-    assert_eq!((size_of::<HitPayload>(), size_of::<ShadowPayload>()), (20, 4));
+    let hit = Layout { scalars: "uuuffu".into(), dense: true, stride: None };
+    let shadow = Layout { scalars: "uu".into(), dense: true, stride: None };
+    assert_eq!((size_of::<HitPayload>(), size_of::<ShadowPayload>()), (24, 8));
     let incoming = |stem| {
         Spirv::parse(shader_library::spirv(stem).unwrap()).layouts_of(StorageClass::IncomingRayPayloadNV)
     };
     assert_eq!(incoming("closest_hit"), [hit]);
     assert_eq!(incoming("shadow_miss"), [shadow]);
+    assert_eq!(incoming("primary_any_hit"), incoming("closest_hit"));
+    assert_eq!(incoming("shadow_any_hit"), incoming("shadow_miss"));
     for pass in passes::ALL {
         let module = Spirv::parse(shader_library::spirv(pass.stem).unwrap());
         let expected = match pass.stage {

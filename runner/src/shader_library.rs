@@ -16,5 +16,5 @@ macro_rules! modules {
 modules! {
     "gbuffer" "initial" "temporal" "spatial" "shade" "tonemap" "reference"
     "temporal_unbiased" "spatial_unbiased"
-    "closest_hit" "primary_miss" "shadow_miss"
+    "closest_hit" "primary_any_hit" "shadow_any_hit" "primary_miss" "shadow_miss"
 }

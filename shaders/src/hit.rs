@@ -1,7 +1,12 @@
-//! What rays report: closest hit and misses.
+//! What rays report: closest hit and misses; and the hits that transparent surfaces let through.
 
+use crate::textures::{Place, Textures, corners, uv_sets};
+use shared::alpha::is_let_through;
+use shared::geometry::{InstanceGeometry, VertexAttributes, vertex_alpha};
 use shared::glam::Vec2;
 use shared::interface::{HitPayload, ShadowPayload};
+use shared::material::Material;
+use spirv_std::arch::ignore_intersection;
 use spirv_std::spirv;
 
 /// Says which triangle was hit and where; the ray generation shader looks the rest up.
@@ -14,6 +19,7 @@ pub fn closest_hit(
     #[spirv(primitive_id)] primitive: usize,
 ) {
     *payload = HitPayload {
+        key: payload.key,
         hit: 1,
         instance: (instance + geometry) as u32,
         primitive: primitive as u32,
@@ -31,4 +37,86 @@ pub fn primary_miss(#[spirv(incoming_ray_payload)] payload: &mut HitPayload) {
 #[spirv(miss(entry_point_name = "shadow_miss"))]
 pub fn shadow_miss(#[spirv(incoming_ray_payload)] payload: &mut ShadowPayload) {
     payload.visible = 1;
+}
+
+/// Scene buffers that decide over a transparent hit.
+#[derive(Clone, Copy)]
+struct Transparency<'a> {
+    features: u32,
+    instances: &'a [InstanceGeometry],
+    attributes: &'a [VertexAttributes],
+    indices: &'a [u32],
+    materials: &'a [Material],
+    second_uvs: &'a [Vec2],
+}
+
+impl Transparency<'_> {
+    /// Does the ray with `key` go through this triangle at `barycentrics`?
+    fn lets_through(
+        self,
+        textures: &Textures,
+        instance: u32,
+        primitive: u32,
+        barycentrics: Vec2,
+        key: u32,
+    ) -> bool {
+        let geometry = self.instances[instance as usize];
+        let corners = corners(&geometry, self.indices, primitive);
+        let attributes =
+            [self.attributes[corners[0]], self.attributes[corners[1]], self.attributes[corners[2]]];
+        let uvs = [attributes[0].uv, attributes[1].uv, attributes[2].uv];
+        let uvs = uv_sets(self.features, uvs, self.second_uvs, corners);
+        let material = self.materials[geometry.material as usize];
+        let texel = Place { uvs, barycentrics, features: self.features }.alpha(textures, &material);
+        let alpha = material.alpha * texel * vertex_alpha(attributes, barycentrics);
+        is_let_through(&material, alpha, key, instance, primitive)
+    }
+}
+
+/// A masked or blended triangle before a primary ray.
+#[spirv(any_hit(entry_point_name = "primary_any_hit"))]
+pub fn primary_any_hit(
+    #[spirv(incoming_ray_payload)] payload: &mut HitPayload,
+    #[spirv(hit_attribute)] barycentrics: &Vec2,
+    #[spirv(instance_custom_index)] instance: usize,
+    #[spirv(ray_geometry_index)] geometry: usize,
+    #[spirv(primitive_id)] primitive: usize,
+    #[spirv(spec_constant(id = 0, default = 0))] features: u32,
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] instances: &[InstanceGeometry],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] attributes: &[VertexAttributes],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 4)] indices: &[u32],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 5)] materials: &[Material],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 8)] second_uvs: &[Vec2],
+    #[spirv(descriptor_set = 0, binding = 9)] textures: &Textures,
+) {
+    let scene = Transparency { features, instances, attributes, indices, materials, second_uvs };
+    let instance = (instance + geometry) as u32;
+    if scene.lets_through(textures, instance, primitive as u32, *barycentrics, payload.key) {
+        // SAFETY: this is an any-hit shader.
+        unsafe { ignore_intersection() }
+    }
+}
+
+/// A masked or blended triangle before a shadow ray.
+#[spirv(any_hit(entry_point_name = "shadow_any_hit"))]
+pub fn shadow_any_hit(
+    #[spirv(incoming_ray_payload)] payload: &mut ShadowPayload,
+    #[spirv(hit_attribute)] barycentrics: &Vec2,
+    #[spirv(instance_custom_index)] instance: usize,
+    #[spirv(ray_geometry_index)] geometry: usize,
+    #[spirv(primitive_id)] primitive: usize,
+    #[spirv(spec_constant(id = 0, default = 0))] features: u32,
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] instances: &[InstanceGeometry],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] attributes: &[VertexAttributes],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 4)] indices: &[u32],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 5)] materials: &[Material],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 8)] second_uvs: &[Vec2],
+    #[spirv(descriptor_set = 0, binding = 9)] textures: &Textures,
+) {
+    let scene = Transparency { features, instances, attributes, indices, materials, second_uvs };
+    let instance = (instance + geometry) as u32;
+    if scene.lets_through(textures, instance, primitive as u32, *barycentrics, payload.key) {
+        // SAFETY: this is an any-hit shader.
+        unsafe { ignore_intersection() }
+    }
 }

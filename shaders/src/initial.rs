@@ -2,6 +2,7 @@
 
 use crate::trace::trace_shadow;
 use shared::alias_table::AliasEntry;
+use shared::alpha::SURE_HITS_ONLY;
 use shared::frame::FrameConstants;
 use shared::glam::UVec3;
 use shared::interface::ShadowPayload;
@@ -16,6 +17,7 @@ use spirv_std::spirv;
 #[spirv(ray_generation(entry_point_name = "initial"))]
 pub fn initial(
     #[spirv(launch_id)] launch: UVec3,
+    #[spirv(spec_constant(id = 0, default = 0))] features: u32,
     #[spirv(descriptor_set = 0, binding = 0)] tlas: &AccelerationStructure,
     #[spirv(storage_buffer, descriptor_set = 0, binding = 6)] lights: &[Light],
     #[spirv(storage_buffer, descriptor_set = 0, binding = 7)] alias: &[AliasEntry],
@@ -37,7 +39,7 @@ pub fn initial(
         initial::propose(&surface, LightTable { lights, alias }, frame.settings.candidates, &mut rng);
     let mut visible = true;
     if frame.settings.visibility_reuse != 0 && !proposal.is_dark() {
-        visible = trace_shadow(tlas, proposal.ray, payload);
+        visible = trace_shadow(tlas, features, proposal.ray, SURE_HITS_ONLY, payload);
     }
     reservoirs[out] = initial::accept(proposal, visible);
 }

@@ -13,5 +13,6 @@ pub mod spatial;
 pub mod spatial_unbiased;
 pub mod temporal;
 pub mod temporal_unbiased;
+pub mod textures;
 pub mod tonemap;
 pub mod trace;

@@ -1,6 +1,7 @@
 //! The truth, in place of passes 2 to 5: adds a range of the lights, each with its own shadow ray, to `radiance`.
 
 use crate::trace::trace_shadow;
+use shared::alpha;
 use shared::frame::FrameConstants;
 use shared::glam::{UVec3, Vec3};
 use shared::interface::{PassConstants, ShadowPayload};
@@ -14,6 +15,7 @@ use spirv_std::spirv;
 #[spirv(ray_generation(entry_point_name = "reference"))]
 pub fn reference(
     #[spirv(launch_id)] launch: UVec3,
+    #[spirv(spec_constant(id = 0, default = 0))] features: u32,
     #[spirv(push_constant)] constants: &PassConstants,
     #[spirv(descriptor_set = 0, binding = 0)] tlas: &AccelerationStructure,
     #[spirv(storage_buffer, descriptor_set = 0, binding = 6)] lights: &[Light],
@@ -33,8 +35,10 @@ pub fn reference(
     let mut sum = Vec3::ZERO;
     let mut light = constants.first_light;
     while light < constants.first_light + constants.light_count {
-        let proposal = reference::propose(&surface, &lights[light as usize], rng.next_u32x4().x);
-        if !proposal.is_dark() && trace_shadow(tlas, proposal.ray, payload) {
+        let random = rng.next_u32x4();
+        let proposal = reference::propose(&surface, &lights[light as usize], random.x);
+        let key = alpha::key(random.y);
+        if !proposal.is_dark() && trace_shadow(tlas, features, proposal.ray, key, payload) {
             sum += proposal.radiance;
         }
         light += 1;

@@ -2,12 +2,14 @@
 
 use crate::trace::trace_shadow;
 use shared::alias_table::AliasEntry;
+use shared::alpha;
 use shared::frame::FrameConstants;
 use shared::glam::{UVec3, Vec3};
 use shared::interface::ShadowPayload;
 use shared::light::{Light, LightTable};
 use shared::resampling::reservoir_index;
 use shared::reservoir::StoredReservoir;
+use shared::rng::{Rng, Stream};
 use shared::shading;
 use shared::surface::GBufferTexel;
 use spirv_std::ray_tracing::AccelerationStructure;
@@ -16,6 +18,7 @@ use spirv_std::spirv;
 #[spirv(ray_generation(entry_point_name = "shade"))]
 pub fn shade(
     #[spirv(launch_id)] launch: UVec3,
+    #[spirv(spec_constant(id = 0, default = 0))] features: u32,
     #[spirv(descriptor_set = 0, binding = 0)] tlas: &AccelerationStructure,
     #[spirv(storage_buffer, descriptor_set = 0, binding = 6)] lights: &[Light],
     #[spirv(storage_buffer, descriptor_set = 0, binding = 7)] alias: &[AliasEntry],
@@ -33,13 +36,16 @@ pub fn shade(
     }
     let surface = texel.unpack(&frame.camera, pixel, frame.size);
     let lights = LightTable { lights, alias };
+    let mut rng = Rng::new(pixel, frame.index, frame.seed, Stream::Shade, 0);
     let mut lit = shading::Average::default();
     let mut lane = 0;
     while lane < frame.settings.reservoirs {
         let stored = reservoirs[reservoir_index(frame, pixel, lane) as usize];
         let proposal = shading::propose(&surface, lights, stored);
-        let known = frame.settings.visibility_is_known();
-        let visible = !proposal.is_dark() && (known || trace_shadow(tlas, proposal.ray, payload));
+        let key = alpha::key(rng.next_u32x4().x);
+        let known = !frame.settings.shading_needs_rays(features);
+        let visible =
+            !proposal.is_dark() && (known || trace_shadow(tlas, features, proposal.ray, key, payload));
         lit.add(proposal, visible);
         lane += 1;
     }

@@ -3,6 +3,7 @@
 
 use crate::trace::trace_shadow;
 use shared::alias_table::AliasEntry;
+use shared::alpha::SURE_HITS_ONLY;
 use shared::frame::FrameConstants;
 use shared::glam::UVec3;
 use shared::interface::{PassConstants, ShadowPayload};
@@ -18,6 +19,7 @@ use spirv_std::spirv;
 pub fn spatial_unbiased(
     #[spirv(launch_id)] launch: UVec3,
     #[spirv(push_constant)] constants: &PassConstants,
+    #[spirv(spec_constant(id = 0, default = 0))] features: u32,
     #[spirv(descriptor_set = 0, binding = 0)] tlas: &AccelerationStructure,
     #[spirv(storage_buffer, descriptor_set = 0, binding = 6)] lights: &[Light],
     #[spirv(storage_buffer, descriptor_set = 0, binding = 7)] alias: &[AliasEntry],
@@ -44,12 +46,15 @@ pub fn spatial_unbiased(
     while neighbor < frame.settings.neighbors {
         let (proposal, u) = spatial::propose(frame, lights, &surface, pixels, pixel, lane, &mut rng);
         if let Some(proposal) = proposal {
-            let visible = !asks || proposal.is_dark() || trace_shadow(tlas, proposal.ray, payload);
+            let visible = !asks
+                || proposal.is_dark()
+                || trace_shadow(tlas, features, proposal.ray, SURE_HITS_ONLY, payload);
             spatial::accept(&mut merge, proposal, visible, u);
         }
         neighbor += 1;
     }
     let proposal = spatial::finish(&surface, lights, merge, &mut rng);
-    let visible = !asks || proposal.is_dark() || trace_shadow(tlas, proposal.ray, payload);
+    let visible =
+        !asks || proposal.is_dark() || trace_shadow(tlas, features, proposal.ray, SURE_HITS_ONLY, payload);
     merged[index] = initial::accept(proposal, visible);
 }

@@ -3,6 +3,7 @@
 
 use crate::trace::trace_shadow;
 use shared::alias_table::AliasEntry;
+use shared::alpha::SURE_HITS_ONLY;
 use shared::frame::FrameConstants;
 use shared::glam::UVec3;
 use shared::interface::ShadowPayload;
@@ -17,6 +18,7 @@ use spirv_std::spirv;
 #[spirv(ray_generation(entry_point_name = "temporal_unbiased"))]
 pub fn temporal_unbiased(
     #[spirv(launch_id)] launch: UVec3,
+    #[spirv(spec_constant(id = 0, default = 0))] features: u32,
     #[spirv(descriptor_set = 0, binding = 0)] tlas: &AccelerationStructure,
     #[spirv(storage_buffer, descriptor_set = 0, binding = 6)] lights: &[Light],
     #[spirv(storage_buffer, descriptor_set = 0, binding = 7)] alias: &[AliasEntry],
@@ -41,9 +43,11 @@ pub fn temporal_unbiased(
         return;
     };
     let asks = frame.settings.visibility_is_known();
-    let visible = !asks || proposal.is_dark() || trace_shadow(tlas, proposal.ray, payload);
+    let visible =
+        !asks || proposal.is_dark() || trace_shadow(tlas, features, proposal.ray, SURE_HITS_ONLY, payload);
     let mut rng = Rng::new(pixel, frame.index, frame.seed, Stream::Temporal, lane);
     let merged = temporal::accept(lights, &surface, current, proposal, visible, &mut rng);
-    let visible = !asks || merged.is_dark() || trace_shadow(tlas, merged.ray, payload);
+    let visible =
+        !asks || merged.is_dark() || trace_shadow(tlas, features, merged.ray, SURE_HITS_ONLY, payload);
     reservoirs[index] = initial::accept(merged, visible);
 }

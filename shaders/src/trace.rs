@@ -3,6 +3,8 @@
 //! Loops around a trace are `while` loops over integers: NVIDIA's driver (580.159) loses or repeats iterations of what rust-gpu 0.10
 //! makes of `for .. in range` when some rays of a warp are skipped (seen as lights added twice or never by `reference`).
 
+use shared::alpha;
+use shared::frame::features;
 use shared::glam::Vec3;
 use shared::interface::{HitPayload, ShadowPayload, miss};
 use shared::shadow::ShadowRay;
@@ -11,31 +13,42 @@ use spirv_std::ray_tracing::{AccelerationStructure, RayFlags};
 /// Far enough for every scene, and far from overflow.
 const T_MAX: f32 = 1e30;
 
-/// The nearest surface from `origin` along `direction` (unit), into `payload`.
-pub fn trace_primary(tlas: &AccelerationStructure, origin: Vec3, direction: Vec3, payload: &mut HitPayload) {
-    *payload = HitPayload::default();
-    // SAFETY: `payload` is a ray payload of the type that the closest-hit and miss shaders declare.
+/// Where nothing is transparent no any-hit shader is bound, and the hardware need not look for one.
+fn opacity(features: u32) -> RayFlags {
+    if features & features::ALPHA == 0 { RayFlags::OPAQUE } else { RayFlags::NONE }
+}
+
+/// The nearest surface from `origin` along `direction` (unit), into `payload`; single-sided ones only from their front.
+/// `random`: lots for transparency.
+pub fn trace_primary(
+    tlas: &AccelerationStructure,
+    features: u32,
+    origin: Vec3,
+    direction: Vec3,
+    random: u32,
+    payload: &mut HitPayload,
+) {
+    *payload = HitPayload { key: alpha::key(random), ..HitPayload::default() };
+    // Instances of double-sided primitives switch culling off.
+    let flags = opacity(features) | RayFlags::CULL_BACK_FACING_TRIANGLES;
+    // SAFETY: `payload` is a ray payload of the type that the hit and miss shaders declare.
     unsafe {
-        tlas.trace_ray(
-            RayFlags::OPAQUE,
-            0xff,
-            0,
-            0,
-            miss::PRIMARY as i32,
-            origin,
-            0.0,
-            direction,
-            T_MAX,
-            payload,
-        );
+        tlas.trace_ray(flags, 0xff, 0, 0, miss::PRIMARY as i32, origin, 0.0, direction, T_MAX, payload);
     }
 }
 
-/// Is nothing between the ends of `ray`?
-pub fn trace_shadow(tlas: &AccelerationStructure, ray: ShadowRay, payload: &mut ShadowPayload) -> bool {
-    payload.visible = 0;
-    let flags = RayFlags::OPAQUE | RayFlags::TERMINATE_ON_FIRST_HIT | RayFlags::SKIP_CLOSEST_HIT_SHADER;
-    // SAFETY: `payload` is a ray payload of the type that the shadow miss shader declares; no hit shader runs.
+/// Is nothing between the ends of `ray`? Both sides of everything block it, whatever its material says: a thin wall has
+/// a shadow. `key`: of [`shared::alpha`].
+pub fn trace_shadow(
+    tlas: &AccelerationStructure,
+    features: u32,
+    ray: ShadowRay,
+    key: u32,
+    payload: &mut ShadowPayload,
+) -> bool {
+    *payload = ShadowPayload { visible: 0, key };
+    let flags = opacity(features) | RayFlags::TERMINATE_ON_FIRST_HIT | RayFlags::SKIP_CLOSEST_HIT_SHADER;
+    // SAFETY: `payload` is a ray payload of the type that the shadow hit and miss shaders declare.
     unsafe {
         tlas.trace_ray(flags, 0xff, 0, 0, miss::SHADOW as i32, ray.origin, 0.0, ray.direction, 1.0, payload);
     }

@@ -44,9 +44,15 @@ pub mod mode {
 }
 
 impl Settings {
-    /// Does a finished reservoir hold a visible sample or none? Then shading needs no ray.
+    /// Does every reservoir between passes hold a sample that no opaque surface hides, or none?
     pub fn visibility_is_known(&self) -> bool {
         self.mode == mode::UNBIASED && self.visibility_reuse != 0
+    }
+
+    /// Shading asks again where visibility is not known, or where something is transparent: reuse sees opaque surfaces
+    /// only. `features`: of the scene.
+    pub fn shading_needs_rays(&self, features: u32) -> bool {
+        !self.visibility_is_known() || features & features::ALPHA != 0
     }
 }
 
@@ -107,4 +113,8 @@ pub mod features {
     pub const TEXTURES: u32 = 1;
     /// At least one material has a normal map.
     pub const NORMAL_MAPS: u32 = 2;
+    /// At least one texture has a transform or reads the second uv set.
+    pub const UV_MAPS: u32 = 4;
+    /// At least one material is masked or blended: any-hit shaders run on its triangles.
+    pub const ALPHA: u32 = 8;
 }

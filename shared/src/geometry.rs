@@ -93,6 +93,11 @@ impl InstanceGeometry {
         self.normal_x * n.x + self.normal_y * n.y + self.normal_z * n.z
     }
 
+    /// Twice the area of a triangle (its corners in object space), m².
+    pub fn double_area(&self, p: [Vec3; 3]) -> f32 {
+        self.direction_to_world(p[1] - p[0]).cross(self.direction_to_world(p[2] - p[0])).length()
+    }
+
     /// The point with barycentric coordinates `b` = (weight of the second, of the third corner).
     pub fn surface_point(&self, triangle: Triangle, b: Vec2) -> SurfacePoint {
         let Triangle { positions: p, attributes: a } = triangle;
@@ -113,12 +118,29 @@ impl InstanceGeometry {
             normal: normalize_or(self.normal_to_world(normal), geometric_normal),
             tangent: normalize_or(self.direction_to_world(tangent), Vec3::X),
             tangent_sign: tangent_sign * self.handedness,
-            uv: a[0].uv * weights.x + a[1].uv * weights.y + a[2].uv * weights.z,
+            uv: interpolate(triangle.uvs(), b),
             color: color(a[0].color) * weights.x
                 + color(a[1].color) * weights.y
                 + color(a[2].color) * weights.z,
         }
     }
+}
+
+impl Triangle {
+    pub fn uvs(&self) -> [Vec2; 3] {
+        [self.attributes[0].uv, self.attributes[1].uv, self.attributes[2].uv]
+    }
+}
+
+/// The value between three corners' values, at barycentric coordinates `b` as in [`InstanceGeometry::surface_point`].
+pub fn interpolate(corners: [Vec2; 3], b: Vec2) -> Vec2 {
+    corners[0] * (1.0 - b.x - b.y) + corners[1] * b.x + corners[2] * b.y
+}
+
+/// Alpha of the vertex colors at `b`.
+pub fn vertex_alpha(attributes: [VertexAttributes; 3], b: Vec2) -> f32 {
+    let alpha = |i: usize| (attributes[i].color >> 24) as f32 / 255.0;
+    alpha(0) * (1.0 - b.x - b.y) + alpha(1) * b.x + alpha(2) * b.y
 }
 
 fn color(rgba: u32) -> Vec3 {

@@ -4,7 +4,7 @@
 use bytemuck::{Pod, Zeroable};
 use glam::Vec2;
 
-/// Payload of primary rays: what was hit. 20 bytes.
+/// Payload of primary rays: what was hit. 24 bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct HitPayload {
@@ -16,6 +16,8 @@ pub struct HitPayload {
     pub primitive: u32,
     /// Weights of the second and third corner.
     pub barycentrics: Vec2,
+    /// See [`crate::alpha::key`]; set before the trace.
+    pub key: u32,
 }
 
 /// Payload of shadow rays. Starts at 0; only the miss shader sets it.
@@ -24,6 +26,8 @@ pub struct HitPayload {
 pub struct ShadowPayload {
     /// 1: nothing lies between the ends of the ray.
     pub visible: u32,
+    /// See [`crate::alpha::key`]; set before the trace.
+    pub key: u32,
 }
 
 /// Push constants of a pass; each pass uses what it needs.
@@ -60,7 +64,8 @@ pub mod scene_binding {
     pub const MATERIALS: u32 = 5;
     pub const LIGHTS: u32 = 6;
     pub const ALIAS: u32 = 7;
-    pub const TEXTURES: u32 = 8;
+    pub const SECOND_UVS: u32 = 8;
+    pub const TEXTURES: u32 = 9;
 }
 
 /// Descriptor set 1: the buffers of a frame, pushed for each pass.

@@ -24,11 +24,12 @@
 //! Frame: right-handed, +Y up as in glTF; directions point away from the surface.
 //!
 //! Reading order: [`math`], [`rng`], [`pdf`], [`sampling`], [`alias_table`], [`light`], [`camera`],
-//! [`frame`], [`geometry`], [`material`], [`surface`], [`bsdf`], [`target`], [`shadow`],
+//! [`frame`], [`geometry`], [`material`], [`ray_cone`], [`alpha`], [`surface`], [`bsdf`], [`target`], [`shadow`],
 //! [`reservoir`], [`resampling`], [`shading`], [`reference`], [`tonemap`], [`interface`].
 #![cfg_attr(target_arch = "spirv", no_std)]
 
 pub mod alias_table;
+pub mod alpha;
 pub mod bsdf;
 pub mod camera;
 pub mod frame;
@@ -38,6 +39,7 @@ pub mod light;
 pub mod material;
 pub mod math;
 pub mod pdf;
+pub mod ray_cone;
 pub mod reference;
 pub mod resampling;
 pub mod reservoir;

@@ -11,6 +11,9 @@ pub enum Stream {
     Temporal = 2,
     Spatial = 3,
     Reference = 4,
+    /// Lots that blended surfaces draw, for primary and for final shadow rays.
+    Primary = 5,
+    Shade = 6,
 }
 
 /// Random numbers of one pixel in one pass.
@@ -21,7 +24,7 @@ pub struct Rng {
 }
 
 /// The hash `pcg4d` of Jarzynski & Olano 2020, "Hash Functions for GPU Rendering": passes BigCrush.
-fn pcg4d(v: UVec4) -> UVec4 {
+pub fn hash(v: UVec4) -> UVec4 {
     let (mut x, mut y, mut z, mut w) = (lcg(v.x), lcg(v.y), lcg(v.z), lcg(v.w));
     x = x.wrapping_add(y.wrapping_mul(w));
     y = y.wrapping_add(z.wrapping_mul(x));
@@ -52,14 +55,14 @@ impl Rng {
     /// number, spatial iteration).
     pub fn new(pixel: UVec2, frame: u32, seed: u32, stream: Stream, lane: u32) -> Self {
         let place = UVec4::new(pixel.x, pixel.y, frame, seed);
-        let key = pcg4d(place) ^ UVec4::new(stream as u32, lane, 0, 0);
+        let key = hash(place) ^ UVec4::new(stream as u32, lane, 0, 0);
         Rng { key, counter: 0 }
     }
 
     /// Four independent 32-bit numbers.
     pub fn next_u32x4(&mut self) -> UVec4 {
         let bits =
-            pcg4d(UVec4::new(self.key.x, self.key.y, self.key.z, self.key.w.wrapping_add(self.counter)));
+            hash(UVec4::new(self.key.x, self.key.y, self.key.z, self.key.w.wrapping_add(self.counter)));
         self.counter = self.counter.wrapping_add(1);
         bits
     }

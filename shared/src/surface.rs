@@ -3,7 +3,7 @@
 use crate::camera::Camera;
 use crate::frame::features;
 use crate::geometry::SurfacePoint;
-use crate::material::{Material, MaterialTexels, NO_TEXTURE, Reflectance};
+use crate::material::{Material, MaterialTexels, NO_TEXTURE, Reflectance, UNLIT_WHITE, flag, slot};
 use crate::math::{offset_ray_origin, pack_direction, pack_unorm16, unpack_direction, unpack_unorm16};
 use bytemuck::{Pod, Zeroable};
 use glam::{UVec2, Vec3};
@@ -120,9 +120,13 @@ pub struct PrimaryHit {
 }
 
 impl PrimaryHit {
-    /// The G-buffer's view of it for a camera at `eye` (m).
+    /// The G-buffer's view of it for a camera at `eye` (m). An unlit surface is none: nothing is to be lit.
     pub fn texel(&self, eye: Vec3) -> GBufferTexel {
-        let mapped = self.features & features::NORMAL_MAPS != 0 && self.material.normal_texture != NO_TEXTURE;
+        if self.material.has(flag::UNLIT) {
+            return GBufferTexel::default();
+        }
+        let has_normal_map = self.material.textures[slot::NORMAL] != NO_TEXTURE;
+        let mapped = self.features & features::NORMAL_MAPS != 0 && has_normal_map;
         let normal = if mapped {
             self.point.mapped_normal(self.texels.normal, self.material.normal_scale)
         } else {
@@ -132,10 +136,14 @@ impl PrimaryHit {
         GBufferTexel::new(&self.point, normal, reflectance, self.instance, eye)
     }
 
-    /// Radiance toward `eye` that the surface emits itself, nit; a single-sided one emits from its front only.
+    /// Radiance toward `eye` that the surface shows without light, nit: a single-sided one emits from its front only;
+    /// an unlit one shows its base color, [`UNLIT_WHITE`] for white.
     pub fn emission(&self, eye: Vec3) -> Vec3 {
+        if self.material.has(flag::UNLIT) {
+            return self.material.base_color(&self.texels, self.point.color) * UNLIT_WHITE;
+        }
         let from_front = self.point.geometric_normal.dot(eye - self.point.position) > 0.0;
-        if from_front || self.material.double_sided != 0 {
+        if from_front || self.material.has(flag::DOUBLE_SIDED) {
             self.material.emission * self.texels.emission
         } else {
             Vec3::ZERO

@@ -9,7 +9,7 @@ use crate::vulkan::{
 };
 use ash::vk;
 use glam::UVec2;
-use shared::frame::Settings;
+use shared::frame::{Settings, features};
 use shared::interface::{PassConstants, WORKGROUP, frame_binding, spec_constant};
 use std::collections::HashMap;
 use std::ffi::CString;
@@ -77,9 +77,12 @@ impl Pipelines {
         };
         let misses = [Code::load("primary_miss")?, Code::load("shadow_miss")?];
         let closest_hit = Code::load("closest_hit")?;
-        // Shadow rays run no hit shader, but their table still needs a record.
-        let hit =
-            HitGroup { closest_hit: (rays == Rays::Primary).then(|| closest_hit.shader()), any_hit: None };
+        // Without any-hit, shadow rays run no hit shader, but their table still needs a record.
+        let any_hit = any_hit(rays, self.features).map(Code::load).transpose()?;
+        let hit = HitGroup {
+            closest_hit: (rays == Rays::Primary).then(|| closest_hit.shader()),
+            any_hit: any_hit.as_ref().map(Code::shader),
+        };
         let desc = RayPipelineDesc {
             name: pass.stem,
             raygen: code.shader(),
@@ -89,6 +92,17 @@ impl Pipelines {
         };
         Ok(PassPipeline::Rays(Box::new(RayPipeline::new(&self.device, cache, &desc)?)))
     }
+}
+
+/// The any-hit shader of rays in scenes with these features.
+pub fn any_hit(rays: Rays, features: u32) -> Option<&'static str> {
+    if features & features::ALPHA == 0 {
+        return None;
+    }
+    Some(match rays {
+        Rays::Primary => "primary_any_hit",
+        Rays::Shadow => "shadow_any_hit",
+    })
 }
 
 impl Code {

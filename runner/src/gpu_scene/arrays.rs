@@ -2,11 +2,11 @@
 
 use crate::error::{Error, Result};
 use crate::scene::lights::LightTable;
-use crate::scene::{Material, Primitive, SceneDescription};
-use glam::{Vec3, Vec4};
+use crate::scene::{AlphaMode, Material, Mesh, Primitive, SceneDescription, Workflow};
+use glam::{Vec2, Vec3, Vec4};
 use shared::frame::features;
 use shared::geometry::{InstanceGeometry, NO_LIGHT, VertexAttributes, pack_tangent};
-use shared::material::NO_TEXTURE;
+use shared::material::{NO_TEXTURE, UvMap, flag};
 use shared::math::pack_direction;
 
 /// Everything that set 0 holds, but for textures and acceleration structures.
@@ -17,58 +17,103 @@ pub struct SceneArrays {
     pub indices: Vec<u32>,
     pub instances: Vec<InstanceGeometry>,
     pub materials: Vec<shared::material::Material>,
-    /// For each mesh, its primitives' places in the arrays above.
-    pub meshes: Vec<Vec<PrimitiveRange>>,
-    /// For each scene instance, the index of its first [`InstanceGeometry`]: the TLAS instance's custom index.
-    pub custom_indices: Vec<u32>,
+    /// `SECOND_UVS`: one a vertex if any texture needs them, else none.
+    pub second_uvs: Vec<Vec2>,
+    /// Primitives that share a bottom-level structure: those of a mesh, apart by whether rays see their backs.
+    pub parts: Vec<Part>,
+    /// The instances of the top-level structure.
+    pub placements: Vec<Placement>,
     /// [`shared::frame::features`].
     pub features: u32,
 }
 
-/// Where a primitive lies in [`SceneArrays`].
+/// Where a primitive lies in [`SceneArrays`], and how rays meet it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PrimitiveRange {
     pub first_vertex: u32,
     pub vertex_count: u32,
     pub first_index: u32,
     pub triangle_count: u32,
+    /// No alpha: no any-hit shader runs.
+    pub opaque: bool,
+}
+
+/// One bottom-level structure; culling is switched an instance at a time, so it is all double-sided or all single-sided.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Part {
+    pub double_sided: bool,
+    pub ranges: Vec<PrimitiveRange>,
+}
+
+/// A part in the world.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Placement {
+    /// Index of the scene's instance.
+    pub instance: usize,
+    /// Index of the [`Part`].
+    pub part: usize,
+    /// Index of the [`InstanceGeometry`] of the part's first primitive.
+    pub custom_index: u32,
 }
 
 impl SceneArrays {
     pub fn new(scene: &SceneDescription, lights: &LightTable) -> Result<Self> {
         let mut arrays = SceneArrays { features: features_of(scene), ..Default::default() };
-        for mesh in &scene.meshes {
-            let ranges = mesh.primitives.iter().map(|p| arrays.add_primitive(p)).collect::<Result<_>>()?;
-            arrays.meshes.push(ranges);
-        }
         arrays.materials = scene.materials.iter().map(gpu_material).collect();
-        for (instance, first_lights) in scene.instances.iter().zip(&lights.first_light) {
-            arrays.custom_indices.push(index32(arrays.instances.len())?);
-            let primitives = &scene.meshes[instance.mesh].primitives;
-            let ranges = &arrays.meshes[instance.mesh];
-            for ((primitive, range), first_light) in primitives.iter().zip(ranges).zip(first_lights) {
-                arrays.instances.push(InstanceGeometry::new(
-                    instance.transform,
-                    range.first_index,
-                    range.first_vertex,
-                    index32(primitive.material)?,
-                    first_light.unwrap_or(NO_LIGHT),
-                ));
+        let meshes =
+            scene.meshes.iter().map(|mesh| arrays.add_mesh(scene, mesh)).collect::<Result<Vec<_>>>()?;
+        for (i, (instance, first_lights)) in scene.instances.iter().zip(&lights.first_light).enumerate() {
+            for (part, primitives) in &meshes[instance.mesh] {
+                let custom_index = index32(arrays.instances.len())?;
+                arrays.placements.push(Placement { instance: i, part: *part, custom_index });
+                for (&p, range) in primitives.iter().zip(&arrays.parts[*part].ranges) {
+                    arrays.instances.push(InstanceGeometry::new(
+                        instance.transform,
+                        range.first_index,
+                        range.first_vertex,
+                        index32(scene.meshes[instance.mesh].primitives[p].material)?,
+                        first_lights[p].unwrap_or(NO_LIGHT),
+                    ));
+                }
             }
         }
         Ok(arrays)
     }
 
-    fn add_primitive(&mut self, primitive: &Primitive) -> Result<PrimitiveRange> {
+    /// Gives each of the mesh's parts, and which of its primitives the part has.
+    fn add_mesh(&mut self, scene: &SceneDescription, mesh: &Mesh) -> Result<Vec<(usize, Vec<usize>)>> {
+        let material = |p: usize| &scene.materials[mesh.primitives[p].material];
+        let mut parts = Vec::new();
+        for double_sided in [false, true] {
+            let primitives: Vec<usize> =
+                (0..mesh.primitives.len()).filter(|&p| material(p).double_sided == double_sided).collect();
+            if primitives.is_empty() {
+                continue;
+            }
+            let range =
+                |&p: &usize| self.add_primitive(&mesh.primitives[p], material(p).alpha == AlphaMode::Opaque);
+            let ranges = primitives.iter().map(range).collect::<Result<_>>()?;
+            self.parts.push(Part { double_sided, ranges });
+            parts.push((self.parts.len() - 1, primitives));
+        }
+        Ok(parts)
+    }
+
+    fn add_primitive(&mut self, primitive: &Primitive, opaque: bool) -> Result<PrimitiveRange> {
         let range = PrimitiveRange {
             first_vertex: index32(self.positions.len())?,
             vertex_count: index32(primitive.positions.len())?,
             first_index: index32(self.indices.len())?,
             triangle_count: index32(primitive.indices.len() / 3)?,
+            opaque,
         };
         self.positions.extend_from_slice(&primitive.positions);
         self.indices.extend_from_slice(&primitive.indices);
         self.attributes.extend((0..primitive.positions.len()).map(|i| attributes(primitive, i)));
+        if self.features & features::UV_MAPS != 0 {
+            let uv = |i: usize| primitive.second_uvs.get(i).copied().unwrap_or_default();
+            self.second_uvs.extend((0..primitive.positions.len()).map(uv));
+        }
         index32(self.indices.len())?;
         Ok(range)
     }
@@ -93,19 +138,28 @@ fn attributes(primitive: &Primitive, i: usize) -> VertexAttributes {
 }
 
 fn gpu_material(material: &Material) -> shared::material::Material {
-    let texture = |index: Option<usize>| index.map_or(NO_TEXTURE, |i| i as u32);
+    let mut flags = 0;
+    for (bit, is_set) in [
+        (flag::DOUBLE_SIDED, material.double_sided),
+        (flag::SPECULAR_GLOSSINESS, material.workflow == Workflow::SpecularGlossiness),
+        (flag::UNLIT, material.unlit),
+        (flag::MASK, matches!(material.alpha, AlphaMode::Mask { .. })),
+        (flag::BLEND, material.alpha == AlphaMode::Blend),
+    ] {
+        flags |= if is_set { bit } else { 0 };
+    }
     shared::material::Material {
         base_color: material.base_color.truncate(),
-        metallic: material.metallic,
+        alpha: material.base_color.w,
         emission: material.emission,
+        metallic: material.metallic,
+        specular: material.specular,
         roughness: material.roughness,
-        base_color_texture: texture(material.base_color_texture),
-        metallic_roughness_texture: texture(material.metallic_roughness_texture),
-        normal_texture: texture(material.normal_texture),
-        emissive_texture: texture(material.emissive_texture),
         normal_scale: material.normal_scale,
-        double_sided: material.double_sided.into(),
-        padding: [0; 2],
+        alpha_cutoff: if let AlphaMode::Mask { cutoff } = material.alpha { cutoff } else { 0.0 },
+        flags,
+        textures: material.textures().map(|index| index.map_or(NO_TEXTURE, |i| i as u32)),
+        uv_maps: material.uv_maps,
     }
 }
 
@@ -113,9 +167,12 @@ fn gpu_material(material: &Material) -> shared::material::Material {
 fn features_of(scene: &SceneDescription) -> u32 {
     let mut bits = 0;
     for m in &scene.materials {
-        let any = [m.base_color_texture, m.metallic_roughness_texture, m.normal_texture, m.emissive_texture];
-        bits |= if any.iter().any(Option::is_some) { features::TEXTURES } else { 0 };
+        for (_, map) in m.textures().iter().zip(&m.uv_maps).filter(|(texture, _)| texture.is_some()) {
+            bits |= features::TEXTURES;
+            bits |= if *map != UvMap::default() { features::UV_MAPS } else { 0 };
+        }
         bits |= if m.normal_texture.is_some() { features::NORMAL_MAPS } else { 0 };
+        bits |= if m.alpha != AlphaMode::Opaque { features::ALPHA } else { 0 };
     }
     bits
 }

@@ -13,6 +13,7 @@ use crate::vulkan::{
 use arrays::SceneArrays;
 use ash::vk;
 use glam::Affine3A;
+use shared::frame::features;
 use shared::interface::scene_binding;
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -47,6 +48,7 @@ impl GpuScene {
             (scene_binding::MATERIALS, upload.buffer("materials", &arrays.materials, storage)?),
             (scene_binding::LIGHTS, upload.buffer("lights", &lights.lights, storage)?),
             (scene_binding::ALIAS, upload.buffer("alias table", &lights.alias, storage)?),
+            (scene_binding::SECOND_UVS, upload.buffer("second uvs", &arrays.second_uvs, storage)?),
         ];
         let (textures, views) = upload_textures(device, &mut upload, scene)?;
         upload.finish()?;
@@ -56,7 +58,7 @@ impl GpuScene {
         let set = DescriptorSet::new(
             device,
             "scene",
-            &set_layout(device, views.len() as u32)?,
+            &set_layout(device, views.len() as u32, arrays.features)?,
             views.len() as u32,
         )?;
         set.bind_tlas(scene_binding::TLAS, &tlas);
@@ -97,10 +99,11 @@ impl GpuScene {
     }
 }
 
-/// The layout of set 0 for a scene with so many textures.
-fn set_layout(device: &Device, textures: u32) -> Result<SetLayout> {
+/// The layout of set 0 for a scene with so many textures and these features.
+fn set_layout(device: &Device, textures: u32, features: u32) -> Result<SetLayout> {
     use vk::ShaderStageFlags as Stage;
-    let stages = Stage::RAYGEN_KHR | Stage::COMPUTE;
+    let any_hit = if features & features::ALPHA != 0 { Stage::ANY_HIT_KHR } else { Stage::empty() };
+    let stages = Stage::RAYGEN_KHR | Stage::COMPUTE | any_hit;
     let mut bindings = vec![Binding::one(
         scene_binding::TLAS,
         vk::DescriptorType::ACCELERATION_STRUCTURE_KHR,
@@ -109,31 +112,38 @@ fn set_layout(device: &Device, textures: u32) -> Result<SetLayout> {
     for binding in scene_binding::INSTANCES..scene_binding::TEXTURES {
         bindings.push(Binding::one(binding, vk::DescriptorType::STORAGE_BUFFER, stages));
     }
-    bindings.push(Binding::textures(scene_binding::TEXTURES, textures, Stage::RAYGEN_KHR));
+    bindings.push(Binding::textures(scene_binding::TEXTURES, textures, Stage::RAYGEN_KHR | any_hit));
     SetLayout::new(device, "scene", &bindings)
 }
 
-/// One BLAS a mesh, one geometry a primitive.
+/// One BLAS a part, one geometry a primitive.
 fn geometries(arrays: &SceneArrays, positions: &Buffer, indices: &Buffer) -> Vec<Vec<BlasGeometry>> {
     let geometry = |range: &arrays::PrimitiveRange| BlasGeometry {
         vertices: positions.address() + 12 * u64::from(range.first_vertex),
         vertex_count: range.vertex_count,
         indices: indices.address() + 4 * u64::from(range.first_index),
         triangle_count: range.triangle_count,
-        opaque: true,
+        opaque: range.opaque,
     };
-    arrays.meshes.iter().map(|mesh| mesh.iter().map(geometry).collect()).collect()
+    arrays.parts.iter().map(|part| part.ranges.iter().map(geometry).collect()).collect()
 }
 
+/// Vulkan takes the facing in object space, so a transform that mirrors changes nothing: its front, where corners run
+/// clockwise in left-handed coordinates, is glTF's, where they run counter-clockwise in right-handed ones. Only rays that
+/// cull look at it; double-sided parts are never culled.
 fn tlas_instances(scene: &SceneDescription, arrays: &SceneArrays) -> Vec<TlasInstance> {
-    let place = |(instance, &custom_index): (&crate::scene::Instance, &u32)| TlasInstance {
-        transform: rows(&instance.transform),
-        custom_index,
+    use vk::GeometryInstanceFlagsKHR as Flags;
+    let place = |placement: &arrays::Placement| TlasInstance {
+        transform: rows(&scene.instances[placement.instance].transform),
+        custom_index: placement.custom_index,
         mask: 0xff,
-        blas: instance.mesh,
-        flags: vk::GeometryInstanceFlagsKHR::TRIANGLE_FACING_CULL_DISABLE,
+        blas: placement.part,
+        flags: match arrays.parts[placement.part].double_sided {
+            true => Flags::TRIANGLE_FACING_CULL_DISABLE,
+            false => Flags::empty(),
+        },
     };
-    scene.instances.iter().zip(&arrays.custom_indices).map(place).collect()
+    arrays.placements.iter().map(place).collect()
 }
 
 /// The first three rows of a transform's matrix.

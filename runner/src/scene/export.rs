@@ -1,4 +1,5 @@
-//! Scenes as glTF 2.0: geometry, materials with their textures, point lights, cameras.
+//! Scenes as glTF 2.0: geometry, metallic-roughness materials with their textures, point lights, cameras. What other
+//! workflows, alpha modes and texture transforms say is not written.
 
 use super::{
     Image, Instance, Material, Mesh, PointLight, Primitive, SceneCamera, SceneDescription, Texture, Wrap,
@@ -232,7 +233,7 @@ fn material_json(material: &Material) -> Value {
     if let Some(index) = material.base_color_texture {
         pbr["baseColorTexture"] = json!({ "index": index });
     }
-    if let Some(index) = material.metallic_roughness_texture {
+    if let Some(index) = material.reflectance_texture {
         pbr["metallicRoughnessTexture"] = json!({ "index": index });
     }
     let mut json =

@@ -17,6 +17,7 @@ fn small_scene() -> SceneDescription {
         uvs: vec![Vec2::ZERO, Vec2::new(3.0, -0.25), Vec2::Y],
         colors: vec![Vec4::new(0.1, 0.2, 0.3, 1.0); 3],
         indices: vec![2, 0, 1],
+        ..Primitive::default()
     };
     let mirror = Affine3A::from_scale_rotation_translation(
         Vec3::new(-1.0, 2.0, 0.5),
@@ -31,7 +32,7 @@ fn small_scene() -> SceneDescription {
             name: "all".into(),
             base_color: Vec4::new(0.25, 0.5, 0.75, 1.0),
             base_color_texture: Some(0),
-            metallic_roughness_texture: Some(1),
+            reflectance_texture: Some(1),
             normal_texture: Some(1),
             normal_scale: 0.5,
             emission: Vec3::new(100.0, 50.0, 0.0),
@@ -39,6 +40,7 @@ fn small_scene() -> SceneDescription {
             metallic: 0.125,
             roughness: 0.375,
             double_sided: true,
+            ..Material::default()
         }],
         textures: vec![
             texture(true, [Wrap::Repeat, Wrap::MirroredRepeat]),

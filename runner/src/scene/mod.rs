@@ -12,6 +12,7 @@ mod source;
 pub use source::load;
 
 use glam::{Affine3A, Vec2, Vec3, Vec4};
+use shared::material::{DIELECTRIC_F0, UvMap, slot};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -48,6 +49,8 @@ pub struct Primitive {
     /// Unit tangent and handedness (w = ±1), object space.
     pub tangents: Vec<Vec4>,
     pub uvs: Vec<Vec2>,
+    /// What texture maps call set 1.
+    pub second_uvs: Vec<Vec2>,
     /// Linear RGBA, 0..=1.
     pub colors: Vec<Vec4>,
     /// Three a triangle, each below the number of positions.
@@ -63,22 +66,52 @@ pub struct Instance {
     pub transform: Affine3A,
 }
 
-/// glTF metallic-roughness parameters.
+/// glTF's material parameters.
 #[derive(Clone, Debug)]
 pub struct Material {
     pub name: String,
-    /// Linear RGBA.
+    /// Linear RGBA; of specular-glossiness the diffuse color.
     pub base_color: Vec4,
     pub base_color_texture: Option<usize>,
+    pub workflow: Workflow,
+    /// Of metallic-roughness alone.
     pub metallic: f32,
+    /// 1 - glossiness
     pub roughness: f32,
-    pub metallic_roughness_texture: Option<usize>,
+    /// Reflectance at normal incidence, linear RGB: of what is no metal, or of specular-glossiness all of it.
+    pub specular: Vec3,
+    /// Metallic-roughness or specular-glossiness.
+    pub reflectance_texture: Option<usize>,
     pub normal_texture: Option<usize>,
     pub normal_scale: f32,
     /// Radiance, nit, linear RGB (strength included).
     pub emission: Vec3,
     pub emissive_texture: Option<usize>,
+    /// Where each texture takes its coordinates from, by [`shared::material::slot`].
+    pub uv_maps: [UvMap; slot::COUNT],
+    /// Both sides are seen. Shadow rays meet both sides of every material.
     pub double_sided: bool,
+    /// Shows its base color ([`shared::material::UNLIT_WHITE`] for white), neither lights nor is lit.
+    pub unlit: bool,
+    pub alpha: AlphaMode,
+}
+
+/// How a material says what it reflects.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Workflow {
+    MetallicRoughness,
+    SpecularGlossiness,
+}
+
+/// What alpha (factor x texture x vertex color) means.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum AlphaMode {
+    /// Nothing.
+    Opaque,
+    /// Solid where alpha reaches the cutoff, else not there.
+    Mask { cutoff: f32 },
+    /// The part of the light that the surface stops or reflects.
+    Blend,
 }
 
 /// An image with the way it is read.
@@ -151,15 +184,27 @@ impl Default for Material {
             name: String::new(),
             base_color: Vec4::ONE,
             base_color_texture: None,
+            workflow: Workflow::MetallicRoughness,
             metallic: 0.0,
             roughness: 1.0,
-            metallic_roughness_texture: None,
+            specular: Vec3::splat(DIELECTRIC_F0),
+            reflectance_texture: None,
             normal_texture: None,
             normal_scale: 1.0,
             emission: Vec3::ZERO,
             emissive_texture: None,
+            uv_maps: Default::default(),
             double_sided: false,
+            unlit: false,
+            alpha: AlphaMode::Opaque,
         }
+    }
+}
+
+impl Material {
+    /// The textures, by [`shared::material::slot`].
+    pub fn textures(&self) -> [Option<usize>; slot::COUNT] {
+        [self.base_color_texture, self.reflectance_texture, self.normal_texture, self.emissive_texture]
     }
 }
 

@@ -11,8 +11,12 @@ use std::path::{Path, PathBuf};
 /// SPIR-V 1.5 for Vulkan 1.2.
 pub const TARGET: &str = "spirv-unknown-vulkan1.2";
 
-const CAPABILITIES: [Capability; 3] =
-    [Capability::RayTracingKHR, Capability::RuntimeDescriptorArray, Capability::ShaderNonUniform];
+const CAPABILITIES: [Capability; 4] = [
+    Capability::RayTracingKHR,
+    Capability::RuntimeDescriptorArray,
+    Capability::ShaderNonUniform,
+    Capability::ImageQuery,
+];
 const EXTENSIONS: [&str; 1] = ["SPV_KHR_ray_tracing"];
 
 /// Every choice that changes the output and is no source file.

@@ -1,6 +1,5 @@
 //! Primitives: any triangle topology of glTF -> an indexed triangle list with sound attributes.
 
-use super::materials::UvMapping;
 use super::warnings::Warnings;
 use super::{Reason, accessors, tangents};
 use crate::scene::Primitive;
@@ -8,6 +7,7 @@ use glam::{Vec2, Vec3, Vec4};
 use gltf::accessor::DataType::{F32, U8, U16, U32};
 use gltf::accessor::Dimensions;
 use gltf::mesh::{Mode, Semantic};
+use shared::material::UvMap;
 use shared::math::normalize_or;
 
 /// What a material asks of the primitives that wear it.
@@ -15,9 +15,11 @@ use shared::math::normalize_or;
 pub struct Wear {
     /// Index into the scene's materials.
     pub material: usize,
-    pub uv: UvMapping,
+    /// The n of TEXCOORD_n that its textures read, two at most: a primitive's first and second uvs.
+    pub uv_sets: Vec<u32>,
     pub has_textures: bool,
-    pub has_normal_map: bool,
+    /// Where its normal map lies, if it has one.
+    pub normal_map: Option<UvMap>,
 }
 
 /// Reads a primitive; `None` (with a warning) if it has no triangles to draw. `label` names it in warnings.
@@ -36,7 +38,7 @@ pub fn read(
     if source.morph_targets().len() > 0 {
         warnings.add("morph targets are not applied", label);
     }
-    let mut primitive = read_vertices(source, &wear.uv, buffers)?;
+    let mut primitive = read_vertices(source, &wear.uv_sets, buffers)?;
     primitive.material = wear.material;
     let corners = read_indices(source, primitive.positions.len(), buffers)?;
     if source.mode() == Mode::Triangles && !corners.len().is_multiple_of(3) {
@@ -61,17 +63,19 @@ pub fn read(
 }
 
 fn finish_texture_space(primitive: &mut Primitive, label: &str, wear: &Wear, warnings: &mut Warnings) {
-    if primitive.uvs.is_empty() {
-        if wear.has_textures {
-            warnings.add("textured, but without texture coordinates: every point reads one texel", label);
-        }
-    } else if wear.has_normal_map && primitive.tangents.is_empty() {
-        warnings.add("a normal map without tangents: simple ones are computed, not MikkTSpace", label);
-        tangents::compute(primitive);
+    let lacks = primitive.uvs.is_empty() || wear.uv_sets.len() > 1 && primitive.second_uvs.is_empty();
+    if wear.has_textures && lacks {
+        warnings.add("textured, but without texture coordinates: every point reads one texel", label);
+    }
+    let Some(map) = wear.normal_map.filter(|_| primitive.tangents.is_empty()) else { return };
+    let uvs = if map.set == 0 { &primitive.uvs } else { &primitive.second_uvs };
+    let uvs: Vec<Vec2> = uvs.iter().map(|&uv| map.apply(uv)).collect();
+    if !uvs.is_empty() {
+        tangents::compute(primitive, &uvs);
     }
 }
 
-fn read_vertices(source: &gltf::Primitive, uv: &UvMapping, buffers: &[Vec<u8>]) -> Reason<Primitive> {
+fn read_vertices(source: &gltf::Primitive, uv_sets: &[u32], buffers: &[Vec<u8>]) -> Reason<Primitive> {
     use Dimensions::{Vec2 as Two, Vec3 as Three, Vec4 as Four};
     let reader = source.reader(|buffer| buffers.get(buffer.index()).map(Vec::as_slice));
     let has = |semantic: Semantic, types: &[_]| match source.get(&semantic) {
@@ -91,10 +95,15 @@ fn read_vertices(source: &gltf::Primitive, uv: &UvMapping, buffers: &[Vec<u8>]) 
             primitive.tangents = reader.read_tangents().into_iter().flatten().map(unit_tangent).collect();
         }
     }
-    if has(Semantic::TexCoords(uv.set), &[(Two, F32), (Two, U8), (Two, U16)])? {
-        let uvs = reader.read_tex_coords(uv.set).map(|uvs| uvs.into_f32());
-        primitive.uvs = uvs.into_iter().flatten().map(|c| uv.apply(Vec2::from(c))).collect();
-    }
+    let uvs = |set: u32| {
+        let uvs = match has(Semantic::TexCoords(set), &[(Two, F32), (Two, U8), (Two, U16)])? {
+            true => reader.read_tex_coords(set).map(|uvs| uvs.into_f32()),
+            false => None,
+        };
+        Reason::Ok(uvs.into_iter().flatten().map(Vec2::from).collect())
+    };
+    primitive.uvs = uvs(uv_sets.first().copied().unwrap_or(0))?;
+    primitive.second_uvs = uv_sets.get(1).map_or(Ok(vec![]), |&set| uvs(set))?;
     let colors = [(Three, F32), (Three, U8), (Three, U16), (Four, F32), (Four, U8), (Four, U16)];
     if has(Semantic::Colors(0), &colors)? {
         let colors = reader.read_colors(0).map(|colors| colors.into_rgba_f32());
@@ -128,6 +137,7 @@ fn check_vertices(p: &Primitive) -> Reason<()> {
         ("NORMAL", p.normals.len(), p.normals.iter().position(|v| !v.is_finite())),
         ("TANGENT", p.tangents.len(), p.tangents.iter().position(|v| !v.is_finite())),
         ("TEXCOORD", p.uvs.len(), p.uvs.iter().position(|v| !v.is_finite())),
+        ("TEXCOORD", p.second_uvs.len(), p.second_uvs.iter().position(|v| !v.is_finite())),
         ("COLOR_0", p.colors.len(), p.colors.iter().position(|v| !v.is_finite())),
     ];
     for (name, length, not_finite) in attributes {
@@ -222,7 +232,7 @@ fn compact(primitive: &mut Primitive) {
 }
 
 /// Replaces the vertices by those that `order` names.
-fn gather(primitive: &mut Primitive, order: &[u32]) {
+pub(super) fn gather(primitive: &mut Primitive, order: &[u32]) {
     fn pick<T: Copy>(values: &mut Vec<T>, order: &[u32]) {
         if !values.is_empty() {
             *values = order.iter().map(|&i| values[i as usize]).collect();
@@ -232,6 +242,7 @@ fn gather(primitive: &mut Primitive, order: &[u32]) {
     pick(&mut primitive.normals, order);
     pick(&mut primitive.tangents, order);
     pick(&mut primitive.uvs, order);
+    pick(&mut primitive.second_uvs, order);
     pick(&mut primitive.colors, order);
 }
 

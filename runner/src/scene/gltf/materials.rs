@@ -4,12 +4,15 @@ use super::geometry::Wear;
 use super::images::{self, Fault, Images};
 use super::warnings::Warnings;
 use super::{Reason, label};
-use crate::scene::{Image, Material, Texture, Wrap};
+use crate::scene::{AlphaMode, Image, Material, Texture, Workflow, Wrap};
 use glam::{Vec2, Vec3, Vec4};
-use gltf::material::AlphaMode;
 use gltf::texture::{MagFilter, WrappingMode};
+use shared::material::{DIELECTRIC_F0, UvMap, f0_of_ior, slot};
 use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;
+
+/// uv sets that a primitive keeps.
+const KEPT_UV_SETS: usize = 2;
 
 /// What a texture is read for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -21,11 +24,11 @@ enum Role {
     Normal,
 }
 
-/// Where a material's textures take their coordinates from (KHR_texture_transform).
+/// Where a texture takes its coordinates from (KHR_texture_transform).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct UvMapping {
+struct UvMapping {
     /// n of TEXCOORD_n
-    pub set: u32,
+    set: u32,
     offset: Vec2,
     /// Radians, counter-clockwise as seen (v grows downwards).
     rotation: f32,
@@ -39,14 +42,15 @@ impl Default for UvMapping {
 }
 
 impl UvMapping {
-    /// Scale, then rotation, then offset.
-    pub fn apply(&self, uv: Vec2) -> Vec2 {
-        if *self == (UvMapping { set: self.set, ..UvMapping::default() }) {
-            return uv;
-        }
+    /// Scale, then rotation, then offset; `set` is the place of TEXCOORD_n in what the primitive keeps.
+    fn map(&self, set: u32) -> UvMap {
         let (sin, cos) = self.rotation.sin_cos();
-        let p = uv * self.scale;
-        self.offset + Vec2::new(cos * p.x + sin * p.y, cos * p.y - sin * p.x)
+        let scale = self.scale;
+        UvMap {
+            u: Vec3::new(cos * scale.x, sin * scale.y, self.offset.x),
+            v: Vec3::new(-sin * scale.x, cos * scale.y, self.offset.y),
+            set,
+        }
     }
 }
 
@@ -61,7 +65,7 @@ struct Reference<'a> {
 #[derive(Default)]
 struct References<'a> {
     base_color: Option<Reference<'a>>,
-    metallic_roughness: Option<Reference<'a>>,
+    reflectance: Option<Reference<'a>>,
     normal: Option<Reference<'a>>,
     emissive: Option<Reference<'a>>,
 }
@@ -76,10 +80,16 @@ impl<'a> References<'a> {
         let mut references = References::default();
         if let Some(specular) = material.pbr_specular_glossiness() {
             references.base_color = specular.diffuse_texture().map(|t| info(t, Role::Color));
+            // Its alpha, the glossiness, is linear all the same.
+            references.reflectance = specular.specular_glossiness_texture().map(|t| info(t, Role::Color));
         } else {
             let pbr = material.pbr_metallic_roughness();
             references.base_color = pbr.base_color_texture().map(|t| info(t, Role::Color));
-            references.metallic_roughness = pbr.metallic_roughness_texture().map(|t| info(t, Role::Data));
+            references.reflectance = pbr.metallic_roughness_texture().map(|t| info(t, Role::Data));
+        }
+        if material.unlit() {
+            references.reflectance = None;
+            return references;
         }
         references.normal = material.normal_texture().map(|normal| Reference {
             uv: normal_mapping(&normal),
@@ -93,9 +103,36 @@ impl<'a> References<'a> {
         references
     }
 
-    /// Those that there are, the most visible one first.
+    /// By [`shared::material::slot`].
+    fn slots(&self) -> [&Option<Reference<'a>>; slot::COUNT] {
+        [&self.base_color, &self.reflectance, &self.normal, &self.emissive]
+    }
+
+    /// Those that there are.
     fn iter(&self) -> impl Iterator<Item = &Reference<'a>> {
-        [&self.base_color, &self.normal, &self.metallic_roughness, &self.emissive].into_iter().flatten()
+        self.slots().into_iter().flatten()
+    }
+
+    /// The n of TEXCOORD_n that are read, in the order of the slots: a primitive keeps the first two.
+    fn uv_sets(&self) -> Vec<u32> {
+        let mut sets: Vec<u32> = Vec::new();
+        for reference in self.iter() {
+            if !sets.contains(&reference.uv.set) {
+                sets.push(reference.uv.set);
+            }
+        }
+        sets
+    }
+
+    /// Maps from the sets that a primitive keeps; one of a third set reads the first.
+    fn uv_maps(&self, sets: &[u32]) -> [UvMap; slot::COUNT] {
+        let kept = &sets[..sets.len().min(KEPT_UV_SETS)];
+        self.slots().map(|slot| {
+            slot.as_ref().map_or(UvMap::default(), |reference| {
+                let place = kept.iter().position(|&set| set == reference.uv.set).unwrap_or_default();
+                reference.uv.map(place as u32)
+            })
+        })
     }
 }
 
@@ -164,7 +201,7 @@ impl Materials {
         let wear = match source.index() {
             None => {
                 self.materials.push(Material::default());
-                Wear { material: index, uv: UvMapping::default(), has_textures: false, has_normal_map: false }
+                Wear { material: index, uv_sets: vec![], has_textures: false, normal_map: None }
             }
             Some(i) => {
                 let label = label("material", i, source.name());
@@ -172,15 +209,18 @@ impl Materials {
                 let material = self
                     .convert(source, &references, &label, warnings)
                     .map_err(|r| format!("{label}: {r}"))?;
-                let uv = references.iter().next().map(|r| r.uv).unwrap_or_default();
-                if references.iter().any(|r| r.uv != uv) {
-                    let text = "textures with different coordinates: all use those of the base color";
-                    warnings.add(text, &label);
+                let mut uv_sets = references.uv_sets();
+                if uv_sets.len() > KEPT_UV_SETS {
+                    warnings.add(
+                        "textures with more than two sets of coordinates: the rest read the first",
+                        &label,
+                    );
+                    uv_sets.truncate(KEPT_UV_SETS);
                 }
                 let has_textures = references.iter().next().is_some();
-                let has_normal_map = material.normal_texture.is_some();
+                let normal_map = material.normal_texture.map(|_| material.uv_maps[slot::NORMAL]);
                 self.materials.push(material);
-                Wear { material: index, uv, has_textures, has_normal_map }
+                Wear { material: index, uv_sets, has_textures, normal_map }
             }
         };
         self.wears.insert(source.index(), wear.clone());
@@ -202,23 +242,38 @@ impl Materials {
         let mut material = Material {
             name: source.name().unwrap_or_default().to_owned(),
             base_color_texture: texture(&references.base_color)?,
-            metallic_roughness_texture: texture(&references.metallic_roughness)?,
+            reflectance_texture: texture(&references.reflectance)?,
             normal_texture: texture(&references.normal)?,
             emissive_texture: texture(&references.emissive)?,
+            uv_maps: references.uv_maps(&references.uv_sets()),
             double_sided: source.double_sided(),
+            unlit: source.unlit(),
+            alpha: match source.alpha_mode() {
+                gltf::material::AlphaMode::Opaque => AlphaMode::Opaque,
+                gltf::material::AlphaMode::Mask => {
+                    AlphaMode::Mask { cutoff: source.alpha_cutoff().unwrap_or(0.5) }
+                }
+                gltf::material::AlphaMode::Blend => AlphaMode::Blend,
+            },
             ..Material::default()
         };
         if let Some(specular) = source.pbr_specular_glossiness() {
+            material.workflow = Workflow::SpecularGlossiness;
             material.base_color = specular.diffuse_factor().into();
+            material.specular = specular.specular_factor().into();
             material.roughness = 1.0 - specular.glossiness_factor();
         } else {
             let pbr = source.pbr_metallic_roughness();
             material.base_color = pbr.base_color_factor().into();
             material.metallic = pbr.metallic_factor();
             material.roughness = pbr.roughness_factor();
+            material.specular = Vec3::splat(source.ior().map_or(DIELECTRIC_F0, f0_of_ior));
         }
         material.normal_scale = source.normal_texture().map_or(1.0, |normal| normal.scale());
-        material.emission = Vec3::from(source.emissive_factor()) * source.emissive_strength().unwrap_or(1.0);
+        if !material.unlit {
+            material.emission =
+                Vec3::from(source.emissive_factor()) * source.emissive_strength().unwrap_or(1.0);
+        }
         restrict(material)
     }
 
@@ -278,23 +333,12 @@ fn warn_of_approximations(
     label: &str,
     warnings: &mut Warnings,
 ) {
-    if source.alpha_mode() != AlphaMode::Opaque {
-        warnings.add("alpha modes MASK and BLEND are drawn opaque", label);
-    }
-    if source.pbr_specular_glossiness().is_some() {
-        warnings.add(
-            "specular-glossiness is approximated: diffuse color, no metal, glossiness without its texture",
-            label,
-        );
-    }
     if references.emissive.is_some() {
         warnings.add("an emissive texture: as a light, each triangle emits the texture's average", label);
     }
-    if source.unlit() {
-        warnings.add("KHR_materials_unlit: drawn lit", label);
-    }
-    if source.ior().is_some_and(|ior| ior != 1.5) {
-        warnings.add("KHR_materials_ior: drawn with an index of refraction of 1.5", label);
+    if source.occlusion_texture().is_some() {
+        // It darkens indirect light, and there is none here: shadow rays tell what is hidden.
+        tracing::info!("{label}: its occlusion texture is not read, as all light here is direct");
     }
 }
 
@@ -307,6 +351,14 @@ fn restrict(mut material: Material) -> Reason<Material> {
     if !material.normal_scale.is_finite() {
         return Err("the scale of its normal map is infinite".into());
     }
+    let rows = material.uv_maps.iter().flat_map(|map| [map.u, map.v]);
+    if !rows.into_iter().all(Vec3::is_finite) {
+        return Err("the transform of a texture is infinite".into());
+    }
+    if !material.specular.is_finite() {
+        return Err("its index of refraction makes no sense".into());
+    }
+    material.specular = material.specular.clamp(Vec3::ZERO, Vec3::ONE);
     material.base_color = material.base_color.clamp(Vec4::ZERO, Vec4::ONE);
     material.metallic = material.metallic.clamp(0.0, 1.0);
     material.roughness = material.roughness.clamp(0.0, 1.0);

@@ -1,64 +1,107 @@
 //! Tangents from texture coordinates, where a file has none.
 
+use super::geometry::gather;
 use crate::scene::Primitive;
-use glam::{Vec2, Vec3};
+use bevy_mikktspace::{Geometry, TangentSpace, generate_tangents};
+use glam::{Vec2, Vec3, Vec4};
 use shared::math::normalize_or;
+use std::collections::HashMap;
 
-/// Computes `primitive.tangents` from positions, normals and uvs, none of them empty: the directions of growing u,
-/// summed over the triangles of a vertex (Lengyel 2001, "Computing Tangent Space Basis Vectors for an Arbitrary
-/// Mesh"). The sign follows glTF: bitangent = w · normal × tangent points to the top of the image.
-pub fn compute(primitive: &mut Primitive) {
-    let vertices = primitive.positions.len();
-    let mut sums = vec![(Vec3::ZERO, Vec3::ZERO); vertices];
-    for t in primitive.indices.chunks_exact(3) {
-        let corners = [t[0], t[1], t[2]].map(|i| i as usize);
-        let (along_u, along_v) =
-            gradients(corners.map(|i| primitive.positions[i]), corners.map(|i| primitive.uvs[i]));
-        for i in corners {
-            sums[i].0 += along_u;
-            sums[i].1 += along_v;
-        }
-    }
-    let tangent = |(&normal, &(along_u, along_v)): (&Vec3, &(Vec3, Vec3))| {
-        let across = along_u - normal * normal.dot(along_u);
-        let direction = normalize_or(across, normal.any_orthonormal_vector());
-        // v grows downwards in the image.
-        let up = normal.cross(direction).dot(-along_v);
-        direction.extend(if up < 0.0 { -1.0 } else { 1.0 })
-    };
-    primitive.tangents = primitive.normals.iter().zip(&sums).map(tangent).collect();
+/// Computes `primitive.tangents` for normal maps that lie by `uvs` (one a vertex; v grows downwards), as glTF 2.0
+/// (3.7.2.1) wants it: by MikkTSpace (Mikkelsen 2008, "Simulation of Wrinkled Surfaces Revisited"). Vertices whose
+/// triangles disagree, as at mirrored seams, are split.
+pub fn compute(primitive: &mut Primitive, uvs: &[Vec2]) {
+    let corners = vec![Vec4::ZERO; primitive.indices.len()];
+    let mut mesh = Corners { primitive, uvs, tangents: corners };
+    // Its error type has no value.
+    let Ok(()) = generate_tangents(&mut mesh) else { return };
+    let tangents = mesh.tangents;
+    split(primitive, &tangents);
 }
 
-/// Unit directions in which u and v grow on a triangle; 0 where the uvs are degenerate.
-fn gradients(p: [Vec3; 3], uv: [Vec2; 3]) -> (Vec3, Vec3) {
-    let (edge1, edge2) = (p[1] - p[0], p[2] - p[0]);
-    let (d1, d2) = (uv[1] - uv[0], uv[2] - uv[0]);
-    let sign = if d1.perp_dot(d2) < 0.0 { -1.0 } else { 1.0 };
-    if d1.perp_dot(d2) == 0.0 {
-        return (Vec3::ZERO, Vec3::ZERO);
+/// Gives each different (vertex, tangent) among the corners a vertex of its own.
+fn split(primitive: &mut Primitive, tangents: &[Vec4]) {
+    let mut places: HashMap<(u32, [u32; 4]), u32> = HashMap::new();
+    let (mut order, mut kept) = (Vec::new(), Vec::new());
+    for (index, &tangent) in primitive.indices.iter_mut().zip(tangents) {
+        let key = (*index, tangent.to_array().map(f32::to_bits));
+        let place = *places.entry(key).or_insert_with(|| {
+            order.push(*index);
+            kept.push(tangent);
+            order.len() as u32 - 1
+        });
+        *index = place;
     }
-    let along_u = (edge1 * d2.y - edge2 * d1.y) * sign;
-    let along_v = (edge2 * d1.x - edge1 * d2.x) * sign;
-    (normalize_or(along_u, Vec3::ZERO), normalize_or(along_v, Vec3::ZERO))
+    gather(primitive, &order);
+    primitive.tangents = kept;
+}
+
+/// A primitive as MikkTSpace asks for it, corner by corner.
+struct Corners<'a> {
+    primitive: &'a Primitive,
+    uvs: &'a [Vec2],
+    tangents: Vec<Vec4>,
+}
+
+impl Corners<'_> {
+    fn vertex(&self, face: usize, corner: usize) -> usize {
+        self.primitive.indices[3 * face + corner] as usize
+    }
+}
+
+impl Geometry for Corners<'_> {
+    fn num_faces(&self) -> usize {
+        self.primitive.indices.len() / 3
+    }
+
+    fn num_vertices_of_face(&self, _face: usize) -> usize {
+        3
+    }
+
+    fn position(&self, face: usize, corner: usize) -> [f32; 3] {
+        self.primitive.positions[self.vertex(face, corner)].to_array()
+    }
+
+    fn normal(&self, face: usize, corner: usize) -> [f32; 3] {
+        self.primitive.normals[self.vertex(face, corner)].to_array()
+    }
+
+    /// v is turned upwards: green of a glTF normal map points to the top of its image.
+    fn tex_coord(&self, face: usize, corner: usize) -> [f32; 2] {
+        let uv = self.uvs[self.vertex(face, corner)];
+        [uv.x, 1.0 - uv.y]
+    }
+
+    fn set_tangent(&mut self, space: Option<TangentSpace>, face: usize, corner: usize) {
+        let [x, y, z, w] = space.map_or([0.0, 0.0, 0.0, 1.0], |space| space.tangent_encoded());
+        let normal = self.primitive.normals[self.vertex(face, corner)];
+        let tangent = Vec3::new(x, y, z);
+        // Where the uvs have no extent, any tangent will do.
+        let across = normalize_or(tangent - normal * normal.dot(tangent), normal.any_orthonormal_vector());
+        self.tangents[3 * face + corner] = across.extend(w);
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::Vec4;
 
-    /// A quad in the xy plane that faces +z, its texture upright; then mirrored, turned, and without an extent.
+    /// A triangle in the xy plane that faces +z.
+    fn triangle() -> Primitive {
+        Primitive {
+            positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y],
+            normals: vec![Vec3::Z; 3],
+            indices: vec![0, 1, 2],
+            ..Primitive::default()
+        }
+    }
+
+    /// Its texture upright; then mirrored, turned, and without an extent.
     #[test]
     fn tangents_follow_the_texture() {
         let tangent = |uvs: [Vec2; 3]| {
-            let mut primitive = Primitive {
-                positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y],
-                normals: vec![Vec3::Z; 3],
-                uvs: uvs.to_vec(),
-                indices: vec![0, 1, 2],
-                ..Primitive::default()
-            };
-            compute(&mut primitive);
+            let mut primitive = triangle();
+            compute(&mut primitive, &uvs);
             primitive.tangents[0]
         };
         // uv of the origin, of +x and of +y; v grows downwards.
@@ -67,6 +110,33 @@ mod tests {
         assert_eq!(tangent([u + v, v, u]), Vec4::new(-1.0, 0.0, 0.0, -1.0));
         assert_eq!(tangent([o, v, u]), Vec4::new(0.0, 1.0, 0.0, 1.0));
         let degenerate = tangent([o, o, o]);
-        assert!(degenerate.truncate().is_normalized() && degenerate.z == 0.0 && degenerate.w == 1.0);
+        assert!(degenerate.truncate().is_normalized() && degenerate.z == 0.0, "{degenerate}");
+    }
+
+    /// Two triangles that share an edge where the texture is mirrored: its vertices get a tangent for each side.
+    #[test]
+    fn mirrored_seams_are_split() {
+        let mut primitive = triangle();
+        primitive.positions.push(-Vec3::X);
+        primitive.normals.push(Vec3::Z);
+        primitive.indices.extend([0, 2, 3]);
+        let uvs = [Vec2::Y, Vec2::ONE, Vec2::ZERO, Vec2::ONE];
+        compute(&mut primitive, &uvs);
+        assert_eq!(primitive.positions.len(), 6);
+        let right = Vec4::new(1.0, 0.0, 0.0, 1.0);
+        let left = Vec4::new(-1.0, 0.0, 0.0, -1.0);
+        assert_eq!(primitive.tangents, [right, right, right, left, left, left]);
+    }
+
+    /// Where all agree, vertices stay shared.
+    #[test]
+    fn smooth_meshes_stay_welded() {
+        let mut primitive = triangle();
+        primitive.positions.push(Vec3::new(1.0, 1.0, 0.0));
+        primitive.normals.push(Vec3::Z);
+        primitive.indices.extend([1, 3, 2]);
+        let uvs = [Vec2::Y, Vec2::ONE, Vec2::ZERO, Vec2::X];
+        compute(&mut primitive, &uvs);
+        assert_eq!((primitive.positions.len(), primitive.indices), (4, vec![0, 1, 2, 1, 3, 2]));
     }
 }

@@ -93,6 +93,7 @@ impl Shape {
             positions: self.positions,
             normals: self.normals,
             uvs: self.uvs,
+            second_uvs: vec![],
             colors: Vec::new(),
             indices: self.indices,
         }

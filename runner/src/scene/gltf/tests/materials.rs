@@ -1,8 +1,9 @@
 //! Materials, textures and what stands in for missing ones.
 
 use super::*;
-use crate::scene::{Material, Wrap};
+use crate::scene::{AlphaMode, Material, Workflow, Wrap};
 use glam::{Vec2, Vec4};
+use shared::material::UvMap;
 use std::sync::Arc;
 
 fn loaded(material: Value) -> (Material, Vec<String>) {
@@ -32,20 +33,32 @@ fn factors_follow_the_specification() {
 }
 
 #[test]
-fn approximations_are_told() {
-    let (specular, warnings) =
-        loaded(json!({"name": "s", "extensions": {"KHR_materials_pbrSpecularGlossiness":
-        {"diffuseFactor": [0.5, 0.5, 0.5, 1], "glossinessFactor": 0.75}}}));
-    assert_eq!((specular.metallic, specular.roughness, specular.base_color.x), (0.0, 0.25, 0.5));
-    assert!(
-        warnings[0].starts_with("specular-glossiness is approximated")
-            && warnings[0].ends_with("material 0 's'")
-    );
-    for mode in ["MASK", "BLEND"] {
-        let warnings = loaded(json!({"alphaMode": mode})).1;
-        assert_eq!(warnings, ["alpha modes MASK and BLEND are drawn opaque: material 0"]);
-    }
-    assert_eq!(loaded(json!({"extensions": {"KHR_materials_unlit": {}}})).1.len(), 1);
+fn specular_glossiness_is_read() {
+    let (m, warnings) = loaded(json!({"name": "s", "extensions": {"KHR_materials_pbrSpecularGlossiness":
+        {"diffuseFactor": [0.5, 0.25, 0.5, 0.75], "specularFactor": [0.1, 0.2, 0.3], "glossinessFactor": 0.75}}}));
+    assert_eq!((m.workflow, m.roughness), (Workflow::SpecularGlossiness, 0.25));
+    assert_eq!((m.base_color, m.specular), (Vec4::new(0.5, 0.25, 0.5, 0.75), Vec3::new(0.1, 0.2, 0.3)));
+    assert!(warnings.is_empty(), "{warnings:?}");
+}
+
+#[test]
+fn alpha_modes_are_read() {
+    assert_eq!(loaded(json!({})).0.alpha, AlphaMode::Opaque);
+    assert_eq!(loaded(json!({"alphaMode": "MASK"})).0.alpha, AlphaMode::Mask { cutoff: 0.5 });
+    let cut = loaded(json!({"alphaMode": "MASK", "alphaCutoff": 0.25}));
+    assert_eq!((cut.0.alpha, cut.1.len()), (AlphaMode::Mask { cutoff: 0.25 }, 0));
+    assert_eq!(loaded(json!({"alphaMode": "BLEND"})).0.alpha, AlphaMode::Blend);
+}
+
+/// An unlit surface shows its base color, and no other texture counts.
+#[test]
+fn unlit_and_refraction_are_read() {
+    let (unlit, warnings) = loaded(json!({"emissiveFactor": [1, 1, 1],
+        "extensions": {"KHR_materials_unlit": {}}}));
+    assert!(unlit.unlit && unlit.emission == Vec3::ZERO && warnings.is_empty());
+    let (glass, _) = loaded(json!({"extensions": {"KHR_materials_ior": {"ior": 2.0}}}));
+    assert!((glass.specular - Vec3::splat(1.0 / 9.0)).length() < 1e-6);
+    assert_eq!(loaded(json!({})).0.specular, Vec3::splat(0.04));
 }
 
 #[test]
@@ -60,7 +73,7 @@ fn one_image_serves_color_and_data() {
     let scene = file.load().unwrap();
     let [color, data] = &scene.textures[..] else { panic!("{} textures", scene.textures.len()) };
     assert_eq!(scene.materials[0].base_color_texture, Some(0));
-    assert_eq!(scene.materials[0].metallic_roughness_texture, Some(1));
+    assert_eq!(scene.materials[0].reflectance_texture, Some(1));
     assert!(color.srgb && !data.srgb && Arc::ptr_eq(&color.image, &data.image));
     assert_eq!((color.image.width, color.image.height, &color.image.texels[..]), (1, 1, &[1, 2, 3, 255][..]));
     assert_eq!((color.wrap, color.linear_filter), ([Wrap::ClampToEdge, Wrap::MirroredRepeat], false));
@@ -101,7 +114,6 @@ fn missing_and_broken_images_have_stand_ins() {
     assert!(warned("nowhere.png") && warned("can't decode it"), "{:?}", scene.warnings);
     // A normal map needs tangents.
     assert_eq!(scene.meshes[0].primitives[0].tangents, [Vec4::new(1.0, 0.0, 0.0, 1.0); 4]);
-    assert!(scene.warnings.iter().any(|w| w.contains("without tangents")), "{:?}", scene.warnings);
 }
 
 #[test]
@@ -143,16 +155,43 @@ fn coordinates_are_transformed() {
     let texture = file.texture(&png([1, 2, 3]));
     let quarter = std::f32::consts::FRAC_PI_2;
     let transform = json!({"offset": [0.5, 0], "scale": [2, 1], "rotation": quarter});
-    file.material(json!({"pbrMetallicRoughness": {"baseColorTexture":
-        {"index": texture, "extensions": {"KHR_texture_transform": transform}}}}));
-    let uvs = file.primitive_loaded().uvs;
+    let moved = json!({"index": texture, "extensions": {"KHR_texture_transform": transform}});
+    file.material(json!({"normalTexture": moved,
+        "pbrMetallicRoughness": {"baseColorTexture": moved, "metallicRoughnessTexture": {"index": texture}}}));
+    let scene = file.load().unwrap();
+    let [base_color, reflectance, normal, _] = scene.materials[0].uv_maps;
+    let uvs = &scene.meshes[0].primitives[0].uvs;
+    assert_eq!(uvs[..], [Vec2::Y, Vec2::ONE, Vec2::X, Vec2::ZERO]);
     // (u, v) -> (2u, v) -> (v, -2u) -> + (0.5, 0)
     let expected = [Vec2::new(1.5, 0.0), Vec2::new(1.5, -2.0), Vec2::new(0.5, -2.0), Vec2::new(0.5, 0.0)];
-    assert!(uvs.iter().zip(expected).all(|(uv, e)| (*uv - e).length() < 1e-6), "{uvs:?}");
-    // Another set.
+    for map in [base_color, normal] {
+        assert!(uvs.iter().zip(expected).all(|(uv, e)| (map.apply(*uv) - e).length() < 1e-6), "{map:?}");
+    }
+    assert_eq!(reflectance, UvMap::default());
+    // The normal map's own axes: its u grows along v, downwards here.
+    let tangent = scene.meshes[0].primitives[0].tangents[0];
+    assert!((tangent.truncate() + Vec3::Y).length() < 1e-5, "{tangent}");
+}
+
+#[test]
+fn two_sets_of_coordinates_are_kept() {
     let mut file = File::quad();
     file.attribute("TEXCOORD_1", &floats(&[0.25; 8]), 5126, "VEC2");
+    file.attribute("TEXCOORD_2", &floats(&[0.5; 8]), 5126, "VEC2");
     let texture = file.texture(&png([1, 2, 3]));
-    file.material(json!({"pbrMetallicRoughness": {"baseColorTexture": {"index": texture, "texCoord": 1}}}));
-    assert_eq!(file.primitive_loaded().uvs, [Vec2::splat(0.25); 4]);
+    let reads = |set: u32| json!({"index": texture, "texCoord": set});
+    file.material(json!({"pbrMetallicRoughness":
+        {"baseColorTexture": reads(2), "metallicRoughnessTexture": reads(1)}, "normalTexture": reads(2)}));
+    let scene = file.load().unwrap();
+    let primitive = &scene.meshes[0].primitives[0];
+    assert!(primitive.uvs.iter().all(|&uv| uv == Vec2::splat(0.5)));
+    assert!(
+        primitive.second_uvs.iter().all(|&uv| uv == Vec2::splat(0.25)) && primitive.second_uvs.len() == 4
+    );
+    assert_eq!(scene.materials[0].uv_maps.map(|map| map.set), [0, 1, 0, 0]);
+    assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
+    // A third one is told.
+    file.material(json!({"pbrMetallicRoughness":
+        {"baseColorTexture": reads(2), "metallicRoughnessTexture": reads(1)}, "normalTexture": reads(0)}));
+    assert!(file.load().unwrap().warnings[0].starts_with("textures with more than two sets"));
 }
