@@ -93,6 +93,7 @@ fn element(set: u32, binding: u32) -> Option<(&'static str, usize)> {
         (scene::SET, scene::INDICES) => ("u", 4),
         (scene::SET, scene::MATERIALS) => ("ffffffffuuuufuuu", size_of::<Material>()),
         (scene::SET, scene::LIGHTS) => ("fffufffuffffffff", size_of::<Light>()),
+        (scene::SET, scene::ENVIRONMENT) => ("fff", 12),
         (scene::SET, scene::ALIAS) => ("uuff", size_of::<AliasEntry>()),
         (frame::SET, frame::GBUFFER | frame::PREVIOUS_GBUFFER) => ("uuuuuuuu", size_of::<GBufferTexel>()),
         (frame::SET, frame::RESERVOIRS_IN | frame::RESERVOIRS_OUT | frame::RESERVOIRS_HISTORY) => {

@@ -3,7 +3,7 @@
 //! Nothing stands between lights and floor and every light reaches every pixel, so the biased 1/M weights have no bias:
 //! the mean of every 8 x 8 block must be the reference's.
 
-use candela::scene::{DirectionalLight, PointLight, Primitive, SceneDescription, SpotLight};
+use candela::scene::{DirectionalLight, Environment, PointLight, Primitive, SceneDescription, SpotLight};
 use glam::{UVec2, Vec3};
 use shared::frame::Settings;
 use tests::gpu::{assert_no_validation_messages, device, reference, renderer, restir};
@@ -63,12 +63,25 @@ fn suns() -> SceneDescription {
     SceneDescription { directional_lights: (0..5).map(sun).collect(), ..scene(vec![], vec![], vec![]) }
 }
 
+/// A sky with a bright spot; black below the horizon, where no pixel could be lit from.
+fn sky() -> SceneDescription {
+    let size = UVec2::new(16, 8);
+    let radiance = |i: u32| match (i % 16, i / 16) {
+        (5, 2) => Vec3::new(300.0, 200.0, 100.0),
+        (x, y @ 0..4) => Vec3::new(1.0, 2.0, 3.0) * (1 + x % 3 + y) as f32,
+        _ => Vec3::ZERO,
+    };
+    let environment = Some(Environment { size, radiance: (0..128).map(radiance).collect() });
+    SceneDescription { environment, ..scene(vec![], vec![], vec![]) }
+}
+
 /// Every kind alone, and all of them together.
 fn kinds() -> Vec<(&'static str, SceneDescription)> {
     let SceneDescription { spot_lights, .. } = spots();
     let SceneDescription { directional_lights, .. } = suns();
-    let together = SceneDescription { spot_lights, directional_lights, ..many_lights() };
-    vec![("spots", spots()), ("suns", suns()), ("together", together)]
+    let SceneDescription { environment, .. } = sky();
+    let together = SceneDescription { spot_lights, directional_lights, environment, ..many_lights() };
+    vec![("spots", spots()), ("suns", suns()), ("sky", sky()), ("together", together)]
 }
 
 fn cases() -> Vec<(&'static str, Settings, u32)> {

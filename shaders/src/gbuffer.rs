@@ -1,6 +1,7 @@
 //! Pass 1: what each pixel sees. Writes the G-buffer, and the radiance that needs no lighting (emission, background).
 
 use crate::trace::trace_primary;
+use shared::environment::texel_of;
 use shared::frame::FrameConstants;
 use shared::geometry::{InstanceGeometry, Triangle, VertexAttributes};
 use shared::glam::{UVec3, Vec2, Vec3, Vec4};
@@ -66,7 +67,8 @@ pub fn gbuffer(
     #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] attributes: &[VertexAttributes],
     #[spirv(storage_buffer, descriptor_set = 0, binding = 4)] indices: &[u32],
     #[spirv(storage_buffer, descriptor_set = 0, binding = 5)] materials: &[Material],
-    #[spirv(descriptor_set = 0, binding = 8)] textures: &Textures,
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 8)] environment: &[Vec3],
+    #[spirv(descriptor_set = 0, binding = 9)] textures: &Textures,
     #[spirv(uniform, descriptor_set = 1, binding = 0)] frame: &FrameConstants,
     #[spirv(storage_buffer, descriptor_set = 1, binding = 1)] gbuffer: &mut [GBufferTexel],
     #[spirv(storage_buffer, descriptor_set = 1, binding = 6)] radiance: &mut [Vec3],
@@ -78,7 +80,11 @@ pub fn gbuffer(
     trace_primary(tlas, frame.camera.position, direction, payload);
     if payload.hit == 0 {
         gbuffer[index] = GBufferTexel::default();
-        radiance[index] = frame.background;
+        radiance[index] = if features & shared::frame::features::ENVIRONMENT != 0 {
+            environment[texel_of(direction, frame.environment_size) as usize]
+        } else {
+            frame.background
+        };
         return;
     }
     let geometry = instances[payload.instance as usize];

@@ -4,7 +4,7 @@ use crate::trace::trace_shadow;
 use shared::frame::FrameConstants;
 use shared::glam::{UVec3, Vec3};
 use shared::interface::{PassConstants, ShadowPayload};
-use shared::light::Light;
+use shared::light::{Light, Lights};
 use shared::reference;
 use shared::rng::{Rng, Stream};
 use shared::surface::GBufferTexel;
@@ -30,9 +30,10 @@ pub fn reference(
     }
     let surface = texel.unpack(&frame.camera, pixel, frame.size);
     let mut rng = Rng::new(pixel, frame.index, frame.seed, Stream::Reference, constants.first_light);
+    let lights = Lights { lights };
     let mut sum = Vec3::ZERO;
     for light in constants.first_light..constants.first_light + constants.light_count {
-        let proposal = reference::propose(&surface, &lights[light as usize], rng.next_u32x4().x);
+        let proposal = reference::propose(&surface, lights, light, rng.next_u32x4().x);
         if !proposal.is_dark() && trace_shadow(tlas, proposal.ray, payload) {
             sum += proposal.radiance;
         }

@@ -5,7 +5,7 @@ use shared::alias_table::AliasEntry;
 use shared::frame::FrameConstants;
 use shared::glam::{UVec3, Vec3};
 use shared::interface::ShadowPayload;
-use shared::light::{Light, LightTable};
+use shared::light::{Light, LightTable, Lights};
 use shared::resampling::reservoir_index;
 use shared::reservoir::StoredReservoir;
 use shared::shading;
@@ -32,7 +32,7 @@ pub fn shade(
         return;
     }
     let surface = texel.unpack(&frame.camera, pixel, frame.size);
-    let lights = LightTable { lights, alias };
+    let lights = LightTable { lights: Lights { lights }, alias };
     let mut lit = shading::Average::default();
     for lane in 0..frame.settings.reservoirs {
         let stored = reservoirs[reservoir_index(frame, pixel, lane) as usize];

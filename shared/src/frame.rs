@@ -68,8 +68,10 @@ pub struct FrameConstants {
     pub settings: Settings,
     /// Factor from cd/m² to display values.
     pub exposure: f32,
-    /// Radiance of what lies behind the scene, nit, linear RGB.
+    /// Radiance of what lies behind the scene, nit, linear RGB; an environment map takes its place.
     pub background: glam::Vec3,
+    /// Texels of the environment map; 0 without one.
+    pub environment_size: UVec2,
 }
 
 impl FrameConstants {
@@ -89,4 +91,6 @@ pub mod features {
     pub const TEXTURES: u32 = 1;
     /// At least one material has a normal map.
     pub const NORMAL_MAPS: u32 = 2;
+    /// There is an environment map.
+    pub const ENVIRONMENT: u32 = 1 << 16;
 }

@@ -60,7 +60,9 @@ pub mod scene_binding {
     pub const MATERIALS: u32 = 5;
     pub const LIGHTS: u32 = 6;
     pub const ALIAS: u32 = 7;
-    pub const TEXTURES: u32 = 8;
+    pub const ENVIRONMENT: u32 = 8;
+    /// The last one: its length varies.
+    pub const TEXTURES: u32 = 9;
 }
 
 /// Descriptor set 1: the buffers of a frame, pushed for each pass.

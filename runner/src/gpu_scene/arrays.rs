@@ -111,7 +111,7 @@ fn gpu_material(material: &Material) -> shared::material::Material {
 
 /// What the scene's pipelines are specialised for.
 fn features_of(scene: &SceneDescription) -> u32 {
-    let mut bits = 0;
+    let mut bits = if scene.environment.is_some() { features::ENVIRONMENT } else { 0 };
     for m in &scene.materials {
         let any = [m.base_color_texture, m.metallic_roughness_texture, m.normal_texture, m.emissive_texture];
         bits |= if any.iter().any(Option::is_some) { features::TEXTURES } else { 0 };

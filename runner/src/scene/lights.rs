@@ -1,6 +1,6 @@
 //! All lights of a scene as the GPU reads them, and lights to add to a scene that has too few.
 
-use super::{DirectionalLight, Image, Instance, PointLight, Primitive, SceneDescription};
+use super::{DirectionalLight, Environment, Image, Instance, PointLight, Primitive, SceneDescription};
 use glam::{UVec2, Vec3};
 use shared::alias_table::AliasEntry;
 use shared::light::{self, Light};
@@ -13,7 +13,8 @@ use std::sync::Arc;
 /// The lights of a scene, and the table that draws them by their power.
 #[derive(Clone, Debug, Default)]
 pub struct LightTable {
-    /// Point, spot, directional lights in their order, then the triangles of each emissive primitive of each instance.
+    /// Point, spot, directional lights in their order, then the triangles of each emissive primitive of each instance,
+    /// then the lit texels of the environment map.
     pub lights: Vec<Light>,
     /// Empty if no light has power.
     pub alias: Vec<AliasEntry>,
@@ -40,6 +41,7 @@ impl LightTable {
             };
             first_light.push(scene.meshes[instance.mesh].primitives.iter().map(first_of_primitive).collect());
         }
+        lights.extend(environment_lights(scene));
         let alias = light::build_alias_table(&lights);
         LightTable { lights, alias, first_light }
     }
@@ -58,6 +60,17 @@ fn punctual_lights(scene: &SceneDescription) -> Vec<Light> {
         lights.extend(scene.directional_lights.iter().map(light));
     }
     lights
+}
+
+fn environment_lights(scene: &SceneDescription) -> Vec<Light> {
+    let Some(Environment { size, radiance }) = &scene.environment else { return Vec::new() };
+    let radius = scene.bounds().radius();
+    let lit = radiance.iter().enumerate().filter(|(_, radiance)| **radiance != Vec3::ZERO);
+    lit.map(|(i, &radiance)| {
+        let texel = UVec2::new(i as u32 % size.x, i as u32 / size.x);
+        Light::environment(texel, *size, radiance, radius)
+    })
+    .collect()
 }
 
 fn triangle_lights(

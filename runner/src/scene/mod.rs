@@ -2,13 +2,15 @@
 
 pub mod atrium;
 pub mod camera;
+pub mod environment;
 pub mod fixtures;
 pub mod gltf;
 pub mod lights;
 pub mod shapes;
 mod source;
 
-pub use source::load;
+pub use environment::Environment;
+pub use source::{EnvironmentSource, load};
 
 use glam::{Affine3A, Vec2, Vec3, Vec4};
 use std::path::PathBuf;
@@ -25,6 +27,7 @@ pub struct SceneDescription {
     pub point_lights: Vec<PointLight>,
     pub spot_lights: Vec<SpotLight>,
     pub directional_lights: Vec<DirectionalLight>,
+    pub environment: Option<Environment>,
     pub cameras: Vec<SceneCamera>,
     /// One line each: what the file has and the picture will not show, and why.
     pub warnings: Vec<String>,

@@ -6,8 +6,9 @@ mod tests;
 
 #[cfg(not(target_arch = "spirv"))]
 pub use table::build_alias_table;
-pub use table::{LightSample, LightTable};
+pub use table::{LightSample, LightTable, Lights};
 
+use crate::environment;
 #[cfg(not(target_arch = "spirv"))]
 use crate::math::luminance;
 use crate::math::{normalize_or, safe_ratio};
@@ -16,6 +17,8 @@ use crate::sampling::{square_to_triangle, triangle_pdf};
 use bytemuck::{Pod, Zeroable};
 #[cfg(not(target_arch = "spirv"))]
 use core::f32::consts::PI;
+#[cfg(not(target_arch = "spirv"))]
+use glam::UVec2;
 use glam::{Vec2, Vec3};
 
 /// `Light::kind`.
@@ -28,6 +31,8 @@ pub mod kind {
     pub const SPOT: u32 = 2;
     /// Parallel light of `emission` lux on a surface that faces it.
     pub const DIRECTIONAL: u32 = 3;
+    /// A texel of an environment map: `emission` nit from every direction in it.
+    pub const ENVIRONMENT: u32 = 4;
 }
 
 /// `Light::flags`: both sides of a triangle emit.
@@ -45,15 +50,17 @@ pub struct Light {
     /// One of [`kind`].
     pub kind: u32,
     /// Triangle: second vertex - first vertex, m. Spot: unit direction it shines in. Directional: unit direction to it.
+    /// Environment: (φ of its left edge, cosθ of its lower edge, 0).
     pub edge1: Vec3,
     /// [`DOUBLE_SIDED`].
     pub flags: u32,
     /// Triangle: third vertex - first vertex, m. Spot: (cosine of the outer angle, 1 / (cosine of the inner angle - that),
-    /// 0). Directional: (radius of the scene's bounding sphere, m, 0, 0).
+    /// 0). Directional, environment: (radius of the scene's bounding sphere, m, width in φ, height in cosθ).
     pub edge2: Vec3,
-    /// Triangle: its area, m²; computed in f64 by the host.
+    /// Triangle: its area, m². Environment: its solid angle, sr. Computed in f64 by the host.
     pub area: f32,
-    /// Point, spot: intensity, cd. Triangle: radiance, nit. Directional: illuminance, lx. Linear RGB.
+    /// Point, spot: intensity, cd. Triangle: radiance, nit. Directional: illuminance, lx.
+    /// Environment: radiance, nit. Linear RGB.
     pub emission: Vec3,
     /// Luminous flux, lm: the weight in the alias table. See [`Light::power`].
     pub power: f32,
@@ -73,7 +80,7 @@ pub struct Incident {
     /// Distance to it, m.
     pub distance: f32,
     /// What arrives per unit of the light's measure, without the receiver's cosine: Le cosθ'/d² (nit/m²) for an area,
-    /// I/d² (lx) for a point, E (lx) from a direction. Linear RGB, unshadowed.
+    /// I/d² (lx) for a point, E (lx) from a direction, L (nit) for a solid angle. Linear RGB, unshadowed.
     pub irradiance: Vec3,
 }
 
@@ -120,6 +127,24 @@ impl Light {
         Light { emission: illuminance, ..light }.with_power()
     }
 
+    /// Texel `texel` (column, row from the top) of an environment map of `size`, its mean `radiance` in nit, for a scene
+    /// with a bounding sphere of `radius` m. See [`crate::environment`].
+    pub fn environment(texel: UVec2, size: UVec2, radiance: Vec3, radius: f32) -> Self {
+        use core::f64::consts::{PI, TAU};
+        let cos = |row: u32| (PI * f64::from(row) / f64::from(size.y)).cos();
+        let (width, height) = (TAU / f64::from(size.x), cos(texel.y) - cos(texel.y + 1));
+        let left = f64::from(texel.x) * width - PI;
+        Light {
+            kind: kind::ENVIRONMENT,
+            edge1: Vec3::new(left as f32, cos(texel.y + 1) as f32, 0.0),
+            edge2: Vec3::new(radius, width as f32, height as f32),
+            area: (width * height) as f32,
+            emission: radiance,
+            ..Zeroable::zeroed()
+        }
+        .with_power()
+    }
+
     fn with_power(mut self) -> Self {
         // An infinite weight would count as none.
         self.power = self.power().min(f32::MAX);
@@ -128,13 +153,14 @@ impl Light {
 
     /// Luminous flux Φ in lm (but for the factor 683 that photometric input already holds).
     /// Point: 4π I. Triangle: π L A a side (Lambertian emitter). Spot: see [`Light::spot_solid_angle`].
-    /// Directional: E π r², what falls into the scene's bounding sphere.
+    /// Directional: E π r², what falls into the scene's bounding sphere. Environment: L Ω π r².
     pub fn power(&self) -> f32 {
         let sides = if self.flags & DOUBLE_SIDED != 0 { 2.0 } else { 1.0 };
         let extent = match self.kind {
             kind::TRIANGLE => PI * self.area * sides,
             kind::SPOT => self.spot_solid_angle(),
             kind::DIRECTIONAL => PI * self.edge2.x * self.edge2.x,
+            kind::ENVIRONMENT => self.area * PI * self.edge2.x * self.edge2.x,
             _ => 4.0 * PI,
         };
         extent * luminance(self.emission)
@@ -153,10 +179,11 @@ impl Light {
 }
 
 impl Light {
-    /// Density of a sample on this light in the light's own measure: 1/area, or 1 for a delta light.
+    /// Density of a sample on this light in the light's own measure: 1/area, 1/solid angle, or 1 for a delta light.
     pub fn pdf_li(&self) -> SourcePdf {
         match self.kind {
             kind::TRIANGLE => SourcePdf(triangle_pdf(self.area).0),
+            kind::ENVIRONMENT => SourcePdf(safe_ratio(1.0, self.area)),
             _ => SourcePdf(1.0),
         }
     }
@@ -167,6 +194,11 @@ impl Light {
         match self.kind {
             kind::TRIANGLE => self.sample_triangle(square, receiver),
             kind::DIRECTIONAL => from_infinity(self.edge1, self.edge2.x, receiver, self.emission),
+            kind::ENVIRONMENT => {
+                let cos_theta = self.edge1.y + square.y * self.edge2.z;
+                let direction = environment::direction(cos_theta, self.edge1.x + square.x * self.edge2.y);
+                from_infinity(direction, self.edge2.x, receiver, self.emission)
+            }
             kind::SPOT => {
                 let incident = from_point(self.position, receiver, self.emission);
                 Incident {

@@ -1,7 +1,7 @@
 //! The light table: what a reservoir's sample means, and how one is drawn.
 
 use super::{Incident, Light};
-use crate::pdf::{Pmf, SourcePdf};
+use crate::pdf::SourcePdf;
 use crate::{alias_table, alias_table::AliasEntry};
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3};
@@ -24,11 +24,36 @@ impl LightSample {
     }
 }
 
-/// The lights of a scene and the table that draws them in proportion to their power.
+/// The lights of a scene.
+#[derive(Clone, Copy)]
+pub struct Lights<'a> {
+    pub lights: &'a [Light],
+}
+
+/// The lights and the table that draws them in proportion to their power.
 #[derive(Clone, Copy)]
 pub struct LightTable<'a> {
-    pub lights: &'a [Light],
+    pub lights: Lights<'a>,
     pub alias: &'a [AliasEntry],
+}
+
+impl<'a> Lights<'a> {
+    pub fn count(self) -> u32 {
+        self.lights.len() as u32
+    }
+
+    /// `sample` as seen from `receiver`; dark for a sample of no light.
+    pub fn incident(self, sample: LightSample, receiver: Vec3) -> Incident {
+        if sample.light >= self.count() {
+            return Incident::default();
+        }
+        self.lights[sample.light as usize].sample_li(sample.square(), receiver)
+    }
+
+    /// Density of a sample on `light` in the light's own measure; 0 for no light.
+    pub fn pdf_li(self, light: u32) -> SourcePdf {
+        if light < self.count() { self.lights[light as usize].pdf_li() } else { SourcePdf(0.0) }
+    }
 }
 
 impl<'a> LightTable<'a> {
@@ -36,24 +61,20 @@ impl<'a> LightTable<'a> {
     pub fn sample(self, random: [u32; 3]) -> (LightSample, SourcePdf) {
         let (light, pmf) = alias_table::sample(self.alias, [random[0], random[1]]);
         let sample = LightSample { light, uv: random[2] };
-        (sample, self.source_pdf(light, pmf))
-    }
-
-    fn source_pdf(self, light: u32, pmf: Pmf) -> SourcePdf {
-        if light < self.lights.len() as u32 {
-            pmf.and_on_light(self.lights[light as usize].pdf_li())
-        } else {
-            SourcePdf(0.0)
-        }
+        (sample, pmf.and_on_light(self.lights.pdf_li(light)))
     }
 
     /// `sample` as seen from `receiver`; dark for a sample of no light.
     pub fn incident(self, sample: LightSample, receiver: Vec3) -> Incident {
-        if sample.light < self.lights.len() as u32 {
-            self.lights[sample.light as usize].sample_li(sample.square(), receiver)
-        } else {
-            Incident::default()
-        }
+        self.lights.incident(sample, receiver)
+    }
+}
+
+#[cfg(not(target_arch = "spirv"))]
+impl<'a> Lights<'a> {
+    /// Lights without emissive textures.
+    pub fn untextured(lights: &'a [Light]) -> Self {
+        Lights { lights }
     }
 }
 
