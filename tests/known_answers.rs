@@ -75,8 +75,10 @@ fn assert_known(name: &str, scene: &SceneDescription, truth: Radiance, planted: 
         image.iter().zip(truth).map(pixel).fold(0.0, f64::max)
     };
     let mut renderer = renderer(device, scene, SIZE, 1);
+    // Neighbors beyond a cone's edge can't draw its light, for which 1/M has a bias there.
+    let settings = Settings { spatial: 0, ..Settings::default() };
     for (kind, image) in [
-        ("restir", restir(&mut renderer, camera, Settings::default(), 2, 1)),
+        ("restir", restir(&mut renderer, camera, settings, 2, 1)),
         ("reference", reference(&mut renderer, camera, 1)),
     ] {
         let single = truth.iter().map(|c| c.as_vec3()).collect::<Vec<_>>();
