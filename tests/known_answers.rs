@@ -1,11 +1,11 @@
 //! Pictures whose every pixel is known in closed form.
 
-use candela::scene::{Material, PointLight};
+use candela::scene::{DirectionalLight, Material, PointLight, SceneDescription, SpotLight};
 use glam::{DVec3, UVec2, Vec3};
 use shared::frame::Settings;
 use tests::failure;
 use tests::gpu::{assert_no_validation_messages, device, reference, renderer, restir};
-use tests::scenes::{camera, floor_point, floor_radiance, scene, square};
+use tests::scenes::{camera, floor_bsdf, floor_point, floor_radiance, scene, square};
 
 const SIZE: UVec2 = UVec2::new(96, 64);
 const LIGHT: PointLight =
@@ -85,6 +85,72 @@ fn the_reference_sums_every_light_once() {
     let fewer = [&lights[..64], &lights[65..]].concat();
     assert!(largest_error(&image, &sum_of(&fewer)) > 1e-3, "a lost light was not seen");
     assert_no_validation_messages(device);
+}
+
+/// `scene` must look like `truth`, and not like `planted`: (floor point, eye) -> radiance. Nothing is left to chance.
+fn assert_known(name: &str, scene: &SceneDescription, truth: Radiance, planted: Radiance) {
+    const TOLERANCE: f64 = 1e-3;
+    let Some(device) = device() else { return };
+    let camera = camera(SIZE);
+    let eye = camera.position.as_dvec3();
+    let picture = |radiance: Radiance| -> Vec<DVec3> {
+        let of_pixel = |p| floor_point(&camera, p, SIZE).map_or(DVec3::ZERO, |x| radiance(x, eye));
+        pixels().map(|(_, p)| of_pixel(p)).collect()
+    };
+    let (truth, planted) = (picture(truth), picture(planted));
+    let brightest = truth.iter().map(|c| c.max_element()).fold(0.0, f64::max);
+    let error = |image: &[Vec3], truth: &[DVec3]| {
+        let pixel = |(a, b): (&Vec3, &DVec3)| {
+            (a.as_dvec3() - *b).abs().max_element() / (b.max_element() + 0.01 * brightest)
+        };
+        image.iter().zip(truth).map(pixel).fold(0.0, f64::max)
+    };
+    let mut renderer = renderer(device, scene, SIZE, 1);
+    // Neighbors beyond a cone's edge can't draw its light, for which 1/M has a bias there.
+    let settings = Settings { spatial: 0, ..Settings::default() };
+    for (kind, image) in [
+        ("restir", restir(&mut renderer, camera, settings, 2, 1)),
+        ("reference", reference(&mut renderer, camera, 1)),
+    ] {
+        let single = truth.iter().map(|c| c.as_vec3()).collect::<Vec<_>>();
+        let name = format!("{name}-{kind}");
+        let found = error(&image, &truth);
+        assert!(found < TOLERANCE, "{name}: error {found}; {}", failure::write(&name, SIZE, &image, &single));
+        assert!(error(&image, &planted) > TOLERANCE, "{name}: the planted error was not seen");
+    }
+    assert_no_validation_messages(device);
+}
+
+type Radiance<'a> = &'a dyn Fn(DVec3, DVec3) -> DVec3;
+
+/// A leaning spot whose cone ends within the picture; the extension's attenuation in f64.
+#[test]
+fn a_spot_over_a_floor() {
+    let axis = Vec3::new(0.2, -1.0, -0.1).normalize();
+    let (inner_angle, outer_angle) = (0.2f32, 0.6f32);
+    let PointLight { position, intensity } = LIGHT;
+    let spot = SpotLight { position, axis, intensity, inner_angle, outer_angle };
+    let radiance = |x: DVec3, eye: DVec3, power: i32| {
+        let [cos_inner, cos_outer] = [inner_angle, outer_angle].map(|a| f64::from(a).cos());
+        let cos = (x - position.as_dvec3()).normalize().dot(axis.as_dvec3());
+        let t = ((cos - cos_outer) / (cos_inner - cos_outer)).clamp(0.0, 1.0);
+        floor_radiance(x, eye, &LIGHT) * t.powi(power)
+    };
+    let scene = SceneDescription { spot_lights: vec![spot], ..scene(vec![], vec![], vec![]) };
+    // The planted error: attenuation that is not squared.
+    assert_known("spot", &scene, &|x, eye| radiance(x, eye, 2), &|x, eye| radiance(x, eye, 1));
+}
+
+#[test]
+fn sunlight_on_a_floor() {
+    let direction = Vec3::new(1.0, 2.0, -2.0) / 3.0;
+    let sun = DirectionalLight { direction, illuminance: Vec3::new(9e4, 8e4, 7e4) };
+    let radiance = |x: DVec3, eye: DVec3, factor: f64| {
+        let wi = direction.as_dvec3();
+        floor_bsdf(wi, (eye - x).normalize()) * sun.illuminance.as_dvec3() * wi.y * factor
+    };
+    let scene = SceneDescription { directional_lights: vec![sun], ..scene(vec![], vec![], vec![]) };
+    assert_known("sun", &scene, &|x, eye| radiance(x, eye, 1.0), &|x, eye| radiance(x, eye, 1.002));
 }
 
 const OCCLUDER: Vec3 = Vec3::new(0.2, 1.0, 0.1);

@@ -97,6 +97,7 @@ fn element(set: u32, binding: u32) -> Option<(&'static str, usize)> {
         }
         (scene::SET, scene::SECOND_UVS) => ("ff", size_of::<glam::Vec2>()),
         (scene::SET, scene::LIGHTS) => ("fffufffuffffffff", size_of::<Light>()),
+        (scene::SET, scene::ENVIRONMENT) => ("fff", 12),
         (scene::SET, scene::ALIAS) => ("uuff", size_of::<AliasEntry>()),
         (frame::SET, frame::GBUFFER | frame::PREVIOUS_GBUFFER) => ("uuuuuuuu", size_of::<GBufferTexel>()),
         (frame::SET, frame::RESERVOIRS_IN | frame::RESERVOIRS_OUT | frame::RESERVOIRS_HISTORY) => {

@@ -3,7 +3,7 @@
 //! The mean of every 8 x 8 block must be the reference's: for the biased 1/M weights where nothing stands between lights and
 //! floor and every light reaches every pixel, for the unbiased mode everywhere.
 
-use candela::scene::{PointLight, Primitive, SceneDescription};
+use candela::scene::{DirectionalLight, Environment, PointLight, Primitive, SceneDescription, SpotLight};
 use glam::{UVec2, Vec3};
 use shared::frame::{Settings, mode};
 use tests::gpu::{assert_no_validation_messages, device, reference, renderer, restir};
@@ -50,6 +50,50 @@ fn many_lights() -> SceneDescription {
         }
     });
     scene(triangles.collect(), vec![emitter(Vec3::splat(40.0)), emitter(Vec3::new(0.1, 0.5, 2.0))], lights)
+}
+
+/// Spots of unequal strength whose cones reach every pixel: all supports agree.
+fn spots() -> SceneDescription {
+    let spot = |i: i32| {
+        let (x, z) = ((i % 3) as f32 - 1.0, (i / 3) as f32 - 1.0);
+        SpotLight {
+            position: Vec3::new(2.0 * x, 2.5, 2.0 * z),
+            axis: Vec3::new(0.2 * z, -1.0, 0.1 * x).normalize(),
+            intensity: Vec3::new(0.3, 0.8, 1.0) * 3f32.powi(i % 4),
+            inner_angle: 0.1 * i as f32,
+            outer_angle: 1.35,
+        }
+    };
+    SceneDescription { spot_lights: (0..9).map(spot).collect(), ..scene(vec![], vec![], vec![]) }
+}
+
+fn suns() -> SceneDescription {
+    let sun = |i: i32| DirectionalLight {
+        direction: Vec3::new(i as f32 - 2.0, 2.0, (i % 2) as f32).normalize(),
+        illuminance: Vec3::new(1.0, 0.9, 0.7) * 4f32.powi(i % 3),
+    };
+    SceneDescription { directional_lights: (0..5).map(sun).collect(), ..scene(vec![], vec![], vec![]) }
+}
+
+/// A sky with a bright spot; black below the horizon, where no pixel could be lit from.
+fn sky() -> SceneDescription {
+    let size = UVec2::new(16, 8);
+    let radiance = |i: u32| match (i % 16, i / 16) {
+        (5, 2) => Vec3::new(300.0, 200.0, 100.0),
+        (x, y @ 0..4) => Vec3::new(1.0, 2.0, 3.0) * (1 + x % 3 + y) as f32,
+        _ => Vec3::ZERO,
+    };
+    let environment = Some(Environment { size, radiance: (0..128).map(radiance).collect() });
+    SceneDescription { environment, ..scene(vec![], vec![], vec![]) }
+}
+
+/// Every kind alone, and all of them together.
+fn kinds() -> Vec<(&'static str, SceneDescription)> {
+    let SceneDescription { spot_lights, .. } = spots();
+    let SceneDescription { directional_lights, .. } = suns();
+    let SceneDescription { environment, .. } = sky();
+    let together = SceneDescription { spot_lights, directional_lights, environment, ..many_lights() };
+    vec![("spots", spots()), ("suns", suns()), ("sky", sky()), ("together", together)]
 }
 
 fn cases() -> Vec<(&'static str, Settings, u32)> {
@@ -132,6 +176,28 @@ fn unbiased_reuse_is_right_among_shadows() {
     assert_no_validation_messages(device);
 }
 
+#[test]
+fn each_kind_of_light_has_the_mean_of_the_reference() {
+    let Some(device) = device() else { return };
+    let camera = camera(SIZE);
+    let base = Settings { candidates: 8, radius: 8.0, ..Settings::default() };
+    for (kind, scene) in kinds() {
+        let mut renderer = renderer(device, &scene, SIZE, 1);
+        let truth = replicas(|seed| reference(&mut renderer, camera, 1000 + seed));
+        for (name, settings, frames) in [
+            ("RIS", Settings { temporal: 0, spatial: 0, ..base }, 1),
+            ("temporal and spatial", Settings { spatial_iterations: 1, ..base }, 3),
+        ] {
+            let means = replicas(|seed| restir(&mut renderer, camera, settings, frames, seed));
+            let (z, block) = largest_z(&means, &truth);
+            println!("{kind}, {name}: largest z {z:.2} in block {block}");
+            assert!(truth.iter().all(|&(mean, _)| mean > 0.0), "{kind}: every block is lit");
+            assert!(z < Z_LIMIT, "{kind}, {name}: block {block}: {:?} {:?}", means[block], truth[block]);
+        }
+    }
+    assert_no_validation_messages(device);
+}
+
 /// Negative control: lights whose stored power is 10 % off what they emit shift the mean, and that is seen.
 #[test]
 fn a_planted_bias_is_seen() {
@@ -140,7 +206,7 @@ fn a_planted_bias_is_seen() {
     let mut truth_renderer = renderer(device, &many_lights(), SIZE, 1);
     let truth = replicas(|seed| reference(&mut truth_renderer, camera, 1000 + seed));
     let mut dimmed = many_lights();
-    dimmed.lights.iter_mut().for_each(|light| light.intensity *= 0.9);
+    dimmed.point_lights.iter_mut().for_each(|light| light.intensity *= 0.9);
     let mut renderer = renderer(device, &dimmed, SIZE, 1);
     let (name, settings, frames) = cases()[2];
     let means = replicas(|seed| restir(&mut renderer, camera, settings, frames, seed));

@@ -2,6 +2,7 @@
 
 use crate::textures::{Place, Textures, corners, triangle, uv_sets};
 use crate::trace::trace_primary;
+use shared::environment::texel_of;
 use shared::frame::FrameConstants;
 use shared::geometry::{InstanceGeometry, VertexAttributes};
 use shared::glam::{UVec3, Vec2, Vec3};
@@ -24,7 +25,8 @@ pub fn gbuffer(
     #[spirv(storage_buffer, descriptor_set = 0, binding = 4)] indices: &[u32],
     #[spirv(storage_buffer, descriptor_set = 0, binding = 5)] materials: &[Material],
     #[spirv(storage_buffer, descriptor_set = 0, binding = 8)] second_uvs: &[Vec2],
-    #[spirv(descriptor_set = 0, binding = 9)] textures: &Textures,
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 9)] environment: &[Vec3],
+    #[spirv(descriptor_set = 0, binding = 10)] textures: &Textures,
     #[spirv(uniform, descriptor_set = 1, binding = 0)] frame: &FrameConstants,
     #[spirv(storage_buffer, descriptor_set = 1, binding = 1)] gbuffer: &mut [GBufferTexel],
     #[spirv(storage_buffer, descriptor_set = 1, binding = 6)] radiance: &mut [Vec3],
@@ -37,7 +39,11 @@ pub fn gbuffer(
     trace_primary(tlas, features, eye, direction, rng.next_u32x4().x, payload);
     if payload.hit == 0 {
         gbuffer[index] = GBufferTexel::default();
-        radiance[index] = frame.background;
+        radiance[index] = if features & shared::frame::features::ENVIRONMENT != 0 {
+            environment[texel_of(direction, frame.environment_size) as usize]
+        } else {
+            frame.background
+        };
         return;
     }
     let geometry = instances[payload.instance as usize];

@@ -87,7 +87,7 @@ pub fn primary_any_hit(
     #[spirv(storage_buffer, descriptor_set = 0, binding = 4)] indices: &[u32],
     #[spirv(storage_buffer, descriptor_set = 0, binding = 5)] materials: &[Material],
     #[spirv(storage_buffer, descriptor_set = 0, binding = 8)] second_uvs: &[Vec2],
-    #[spirv(descriptor_set = 0, binding = 9)] textures: &Textures,
+    #[spirv(descriptor_set = 0, binding = 10)] textures: &Textures,
 ) {
     let scene = Transparency { features, instances, attributes, indices, materials, second_uvs };
     let instance = (instance + geometry) as u32;
@@ -111,7 +111,7 @@ pub fn shadow_any_hit(
     #[spirv(storage_buffer, descriptor_set = 0, binding = 4)] indices: &[u32],
     #[spirv(storage_buffer, descriptor_set = 0, binding = 5)] materials: &[Material],
     #[spirv(storage_buffer, descriptor_set = 0, binding = 8)] second_uvs: &[Vec2],
-    #[spirv(descriptor_set = 0, binding = 9)] textures: &Textures,
+    #[spirv(descriptor_set = 0, binding = 10)] textures: &Textures,
 ) {
     let scene = Transparency { features, instances, attributes, indices, materials, second_uvs };
     let instance = (instance + geometry) as u32;

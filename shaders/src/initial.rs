@@ -6,7 +6,7 @@ use shared::alpha::SURE_HITS_ONLY;
 use shared::frame::FrameConstants;
 use shared::glam::UVec3;
 use shared::interface::ShadowPayload;
-use shared::light::{Light, LightTable};
+use shared::light::{Light, LightTable, Lights};
 use shared::resampling::{initial, reservoir_index};
 use shared::reservoir::StoredReservoir;
 use shared::rng::{Rng, Stream};
@@ -35,8 +35,12 @@ pub fn initial(
     }
     let surface = texel.unpack(&frame.camera, pixel, frame.size);
     let mut rng = Rng::new(pixel, frame.index, frame.seed, Stream::Initial, lane);
-    let proposal =
-        initial::propose(&surface, LightTable { lights, alias }, frame.settings.candidates, &mut rng);
+    let proposal = initial::propose(
+        &surface,
+        LightTable { lights: Lights { lights }, alias },
+        frame.settings.candidates,
+        &mut rng,
+    );
     let mut visible = true;
     if frame.settings.visibility_reuse != 0 && !proposal.is_dark() {
         visible = trace_shadow(tlas, features, proposal.ray, SURE_HITS_ONLY, payload);

@@ -5,7 +5,7 @@ use shared::alpha;
 use shared::frame::FrameConstants;
 use shared::glam::{UVec3, Vec3};
 use shared::interface::{PassConstants, ShadowPayload};
-use shared::light::Light;
+use shared::light::{Light, Lights};
 use shared::reference;
 use shared::rng::{Rng, Stream};
 use shared::surface::GBufferTexel;
@@ -32,11 +32,12 @@ pub fn reference(
     }
     let surface = texel.unpack(&frame.camera, pixel, frame.size);
     let mut rng = Rng::new(pixel, frame.index, frame.seed, Stream::Reference, constants.first_light);
+    let lights = Lights { lights };
     let mut sum = Vec3::ZERO;
     let mut light = constants.first_light;
     while light < constants.first_light + constants.light_count {
         let random = rng.next_u32x4();
-        let proposal = reference::propose(&surface, &lights[light as usize], random.x);
+        let proposal = reference::propose(&surface, lights, light, random.x);
         let key = alpha::key(random.y);
         if !proposal.is_dark() && trace_shadow(tlas, features, proposal.ray, key, payload) {
             sum += proposal.radiance;

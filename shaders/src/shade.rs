@@ -6,7 +6,7 @@ use shared::alpha;
 use shared::frame::FrameConstants;
 use shared::glam::{UVec3, Vec3};
 use shared::interface::ShadowPayload;
-use shared::light::{Light, LightTable};
+use shared::light::{Light, LightTable, Lights};
 use shared::resampling::reservoir_index;
 use shared::reservoir::StoredReservoir;
 use shared::rng::{Rng, Stream};
@@ -35,7 +35,7 @@ pub fn shade(
         return;
     }
     let surface = texel.unpack(&frame.camera, pixel, frame.size);
-    let lights = LightTable { lights, alias };
+    let lights = LightTable { lights: Lights { lights }, alias };
     let mut rng = Rng::new(pixel, frame.index, frame.seed, Stream::Shade, 0);
     let mut lit = shading::Average::default();
     let mut lane = 0;

@@ -4,7 +4,7 @@ use shared::alias_table::AliasEntry;
 use shared::frame::FrameConstants;
 use shared::glam::UVec3;
 use shared::interface::PassConstants;
-use shared::light::{Light, LightTable};
+use shared::light::{Light, LightTable, Lights};
 use shared::resampling::{Pixels, reservoir_index, spatial};
 use shared::reservoir::StoredReservoir;
 use shared::rng::{Rng, Stream};
@@ -36,6 +36,6 @@ pub fn spatial(
     let pixels = Pixels { gbuffer, reservoirs };
     let repetition = lane + frame.settings.reservoirs * constants.iteration;
     let mut rng = Rng::new(pixel, frame.index, frame.seed, Stream::Spatial, repetition);
-    let lights = LightTable { lights, alias };
+    let lights = LightTable { lights: Lights { lights }, alias };
     merged[index] = spatial::biased(frame, lights, &surface, pixels, pixel, lane, &mut rng);
 }

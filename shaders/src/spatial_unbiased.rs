@@ -7,7 +7,7 @@ use shared::alpha::SURE_HITS_ONLY;
 use shared::frame::FrameConstants;
 use shared::glam::UVec3;
 use shared::interface::{PassConstants, ShadowPayload};
-use shared::light::{Light, LightTable};
+use shared::light::{Light, LightTable, Lights};
 use shared::resampling::{Pixels, initial, reservoir_index, spatial};
 use shared::reservoir::StoredReservoir;
 use shared::rng::{Rng, Stream};
@@ -37,7 +37,7 @@ pub fn spatial_unbiased(
         return;
     }
     let surface = texel.unpack(&frame.camera, pixel, frame.size);
-    let (lights, pixels) = (LightTable { lights, alias }, Pixels { gbuffer, reservoirs });
+    let (lights, pixels) = (LightTable { lights: Lights { lights }, alias }, Pixels { gbuffer, reservoirs });
     let repetition = lane + frame.settings.reservoirs * constants.iteration;
     let mut rng = Rng::new(pixel, frame.index, frame.seed, Stream::Spatial, repetition);
     let asks = frame.settings.visibility_is_known();

@@ -3,7 +3,7 @@
 use shared::alias_table::AliasEntry;
 use shared::frame::FrameConstants;
 use shared::glam::UVec3;
-use shared::light::{Light, LightTable};
+use shared::light::{Light, LightTable, Lights};
 use shared::resampling::{Pixels, reservoir_index, temporal};
 use shared::reservoir::StoredReservoir;
 use shared::rng::{Rng, Stream};
@@ -33,7 +33,7 @@ pub fn temporal(
     let surface = texel.unpack(&frame.camera, pixel, frame.size);
     let previous = Pixels { gbuffer: previous_gbuffer, reservoirs: history };
     let mut rng = Rng::new(pixel, frame.index, frame.seed, Stream::Temporal, lane);
-    let lights = LightTable { lights, alias };
+    let lights = LightTable { lights: Lights { lights }, alias };
     reservoirs[index] =
         temporal::biased(frame, lights, &surface, reservoirs[index], previous, lane, &mut rng);
 }

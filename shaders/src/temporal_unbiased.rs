@@ -7,7 +7,7 @@ use shared::alpha::SURE_HITS_ONLY;
 use shared::frame::FrameConstants;
 use shared::glam::UVec3;
 use shared::interface::ShadowPayload;
-use shared::light::{Light, LightTable};
+use shared::light::{Light, LightTable, Lights};
 use shared::resampling::{Pixels, initial, reservoir_index, temporal};
 use shared::reservoir::StoredReservoir;
 use shared::rng::{Rng, Stream};
@@ -36,7 +36,7 @@ pub fn temporal_unbiased(
     }
     let index = reservoir_index(frame, pixel, lane) as usize;
     let surface = texel.unpack(&frame.camera, pixel, frame.size);
-    let lights = LightTable { lights, alias };
+    let lights = LightTable { lights: Lights { lights }, alias };
     let previous = Pixels { gbuffer: previous_gbuffer, reservoirs: history };
     let current = reservoirs[index];
     let Some(proposal) = temporal::propose(frame, lights, &surface, current, previous, lane) else {

@@ -92,8 +92,10 @@ pub struct FrameConstants {
     pub settings: Settings,
     /// Factor from cd/m² to display values.
     pub exposure: f32,
-    /// Radiance of what lies behind the scene, nit, linear RGB.
+    /// Radiance of what lies behind the scene, nit, linear RGB; an environment map takes its place.
     pub background: glam::Vec3,
+    /// Texels of the environment map; 0 without one.
+    pub environment_size: UVec2,
 }
 
 impl FrameConstants {
@@ -117,4 +119,6 @@ pub mod features {
     pub const UV_MAPS: u32 = 4;
     /// At least one material is masked or blended: any-hit shaders run on its triangles.
     pub const ALPHA: u32 = 8;
+    /// There is an environment map.
+    pub const ENVIRONMENT: u32 = 1 << 16;
 }

@@ -65,7 +65,9 @@ pub mod scene_binding {
     pub const LIGHTS: u32 = 6;
     pub const ALIAS: u32 = 7;
     pub const SECOND_UVS: u32 = 8;
-    pub const TEXTURES: u32 = 9;
+    pub const ENVIRONMENT: u32 = 9;
+    /// The last one: its length varies.
+    pub const TEXTURES: u32 = 10;
 }
 
 /// Descriptor set 1: the buffers of a frame, pushed for each pass.

@@ -23,7 +23,7 @@
 //! Units: metres, seconds, radians; radiance in nit (cd/m²), intensity in candela, linear Rec. 709 RGB.
 //! Frame: right-handed, +Y up as in glTF; directions point away from the surface.
 //!
-//! Reading order: [`math`], [`rng`], [`pdf`], [`sampling`], [`alias_table`], [`light`], [`camera`],
+//! Reading order: [`math`], [`rng`], [`pdf`], [`sampling`], [`alias_table`], [`environment`], [`light`], [`camera`],
 //! [`frame`], [`geometry`], [`material`], [`ray_cone`], [`alpha`], [`surface`], [`bsdf`], [`target`], [`shadow`],
 //! [`reservoir`], [`resampling`], [`shading`], [`reference`], [`tonemap`], [`interface`].
 #![cfg_attr(target_arch = "spirv", no_std)]
@@ -32,6 +32,7 @@ pub mod alias_table;
 pub mod alpha;
 pub mod bsdf;
 pub mod camera;
+pub mod environment;
 pub mod frame;
 pub mod geometry;
 pub mod interface;

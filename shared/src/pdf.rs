@@ -14,7 +14,7 @@ pub struct PdfArea(pub f32);
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PdfSolidAngle(pub f32);
 
-/// Density of a light sample in the measure of its light: area (1/m²) or counting (delta lights, 1).
+/// Density of a light sample in the measure of its light: area (1/m²), solid angle (1/sr) or counting (delta lights, 1).
 /// This is the p of resampling; samples live on the light, so reuse needs no Jacobian.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SourcePdf(pub f32);

@@ -8,7 +8,7 @@ use shared::camera::Camera;
 use shared::frame::{FrameConstants, Settings, mode};
 use shared::geometry::SurfacePoint;
 use shared::glam::{DVec3, UVec2, Vec2, Vec3};
-use shared::light::{Light, LightTable, build_alias_table};
+use shared::light::{Light, LightTable, Lights, build_alias_table};
 use shared::material::Reflectance;
 use shared::math::luminance;
 use shared::resampling::{Pixels, initial, reservoir_index, spatial, temporal};
@@ -116,7 +116,7 @@ fn reflected(r: &Reflectance, x: DVec3, wo: DVec3, light: &Light) -> DVec3 {
 
 /// Mean luminance of the last of `frames` frames, as the passes compute it.
 fn run(scene: &Scene, settings: Settings, frames: u32, seed: u32) -> f64 {
-    let lights = LightTable { lights: &scene.lights, alias: &scene.alias };
+    let lights = LightTable { lights: Lights::untextured(&scene.lights), alias: &scene.alias };
     let lanes = settings.reservoirs;
     let mut history = vec![StoredReservoir::default(); (SIZE.x * SIZE.y * lanes) as usize];
     let mut image = 0.0;
@@ -130,6 +130,7 @@ fn run(scene: &Scene, settings: Settings, frames: u32, seed: u32) -> f64 {
             settings,
             exposure: 1.0,
             background: Vec3::ZERO,
+            environment_size: UVec2::ZERO,
         };
         let surface =
             |pixel| scene.gbuffer[frame.pixel_index(pixel) as usize].unpack(&scene.camera, pixel, SIZE);

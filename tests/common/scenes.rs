@@ -40,7 +40,7 @@ pub fn scene(
         meshes: vec![Mesh { name: "test".into(), primitives }],
         instances: vec![Instance { name: "test".into(), mesh: 0, transform: Affine3A::IDENTITY }],
         materials,
-        lights,
+        point_lights: lights,
         ..SceneDescription::default()
     }
 }
@@ -61,16 +61,19 @@ pub fn floor_point(camera: &Camera, pixel: UVec2, size: UVec2) -> Option<DVec3> 
     (t > 0.0 && point.abs().max_element() < 10.0).then_some(point)
 }
 
-/// Radiance that the floor reflects to `eye` from a point light, unshadowed: glTF 2.0 appendix B in f64, for a rough
-/// dielectric (metallic 0, roughness 1).
+/// Radiance that the floor reflects to `eye` from a point light, unshadowed.
 pub fn floor_radiance(x: DVec3, eye: DVec3, light: &PointLight) -> DVec3 {
-    use std::f64::consts::PI;
     let to_light = light.position.as_dvec3() - x;
-    let (wi, wo) = (to_light.normalize(), (eye - x).normalize());
+    let wi = to_light.normalize();
+    floor_bsdf(wi, (eye - x).normalize()) * light.intensity.as_dvec3() * wi.y / to_light.length_squared()
+}
+
+/// The floor's BSDF: glTF 2.0 appendix B in f64, for a rough dielectric (metallic 0, roughness 1).
+pub fn floor_bsdf(wi: DVec3, wo: DVec3) -> DVec3 {
+    use std::f64::consts::PI;
     let h = (wi + wo).normalize();
     // α = 1: D = 1/π, Λ(c) = (1/c - 1)/2.
     let g = 2.0 / (1.0 / wi.y + 1.0 / wo.y);
     let f = 0.04 + 0.96 * (1.0 - wi.dot(h)).powi(5);
-    let bsdf = (1.0 - f) * FLOOR.as_dvec3() / PI + f / PI * g / (4.0 * wi.y * wo.y);
-    bsdf * light.intensity.as_dvec3() * wi.y / to_light.length_squared()
+    (1.0 - f) * FLOOR.as_dvec3() / PI + f / PI * g / (4.0 * wi.y * wo.y)
 }

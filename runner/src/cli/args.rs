@@ -1,7 +1,7 @@
 //! What can be said on the command line, with units, ranges and defaults.
 
 use crate::error::{Error, Result};
-use crate::scene::SceneSource;
+use crate::scene::{EnvironmentSource, SceneSource};
 use crate::vulkan::DeviceOptions;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use glam::UVec2;
@@ -40,6 +40,12 @@ pub struct SceneArgs {
     /// The same as N_LIGHTS.
     #[arg(long, value_name = "N", conflicts_with = "n_lights")]
     pub lights: Option<usize>,
+    /// Environment map around the scene: equirectangular .hdr or .exr, +Y up, its middle is +X.
+    #[arg(long, value_name = "FILE")]
+    pub environment: Option<PathBuf>,
+    /// Factor from the environment map's values to nit.
+    #[arg(long, value_name = "S", default_value_t = 1.0, value_parser = positive, requires = "environment")]
+    pub environment_scale: f32,
 }
 
 #[derive(Args, Clone, Debug)]
@@ -174,6 +180,11 @@ impl SceneArgs {
         } else {
             SceneSource::File(self.scene.clone())
         }
+    }
+
+    pub fn environment_source(&self) -> Option<EnvironmentSource> {
+        let path = self.environment.clone()?;
+        Some(EnvironmentSource { path, scale: self.environment_scale })
     }
 
     pub fn light_count(&self) -> usize {

@@ -42,9 +42,12 @@ fn print_lights(lights: &LightTable) {
     let of_kind = |k| lights.lights.iter().filter(|light| light.kind == k).count();
     let flux: f64 = lights.lights.iter().map(|light| f64::from(light.power)).sum();
     println!(
-        "  lights      {} points, {} triangles, {flux:.1} lm",
+        "  lights      {} points, {} spots, {} directional, {} triangles, {} of an environment, {flux:.1} lm",
         of_kind(kind::POINT),
-        of_kind(kind::TRIANGLE)
+        of_kind(kind::SPOT),
+        of_kind(kind::DIRECTIONAL),
+        of_kind(kind::TRIANGLE),
+        of_kind(kind::ENVIRONMENT)
     );
 }
 

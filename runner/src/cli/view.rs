@@ -8,7 +8,7 @@ use shared::camera::Camera;
 
 /// Loads the scene and says on standard error what it leaves out.
 pub fn load_scene(args: &SceneArgs) -> Result<SceneDescription> {
-    let scene = load(&args.source(), args.light_count())?;
+    let scene = load(&args.source(), args.light_count(), args.environment_source().as_ref())?;
     for warning in &scene.warnings {
         eprintln!("warning: {}: {warning}", scene.name);
     }

@@ -108,6 +108,7 @@ impl Renderer {
             settings,
             exposure: options.exposure,
             background: options.background,
+            environment_size: self.scene.environment_size(),
         };
         let (steps, next) = schedule(&options.work, self.rotation);
         for step in &steps {

@@ -165,7 +165,7 @@ fn gpu_material(material: &Material) -> shared::material::Material {
 
 /// What the scene's pipelines are specialised for.
 fn features_of(scene: &SceneDescription) -> u32 {
-    let mut bits = 0;
+    let mut bits = if scene.environment.is_some() { features::ENVIRONMENT } else { 0 };
     for m in &scene.materials {
         for (_, map) in m.textures().iter().zip(&m.uv_maps).filter(|(texture, _)| texture.is_some()) {
             bits |= features::TEXTURES;

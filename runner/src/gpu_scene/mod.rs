@@ -12,7 +12,7 @@ use crate::vulkan::{
 };
 use arrays::SceneArrays;
 use ash::vk;
-use glam::Affine3A;
+use glam::{Affine3A, UVec2};
 use shared::frame::features;
 use shared::interface::scene_binding;
 use std::collections::HashMap;
@@ -22,6 +22,7 @@ use std::sync::Arc;
 pub struct GpuScene {
     set: DescriptorSet,
     light_count: u32,
+    environment_size: UVec2,
     features: u32,
     bytes: u64,
     // Kept for the descriptors above.
@@ -36,6 +37,7 @@ impl GpuScene {
     pub fn new(device: &Device, scene: &SceneDescription) -> Result<Self> {
         let lights = LightTable::new(scene);
         let arrays = SceneArrays::new(scene, &lights)?;
+        let environment = scene.environment.as_ref().map_or(&[][..], |map| &map.radiance);
         let mut upload = Uploader::new(device);
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
         let positions = upload.buffer("positions", &arrays.positions, storage | BUILD_INPUT)?;
@@ -49,6 +51,7 @@ impl GpuScene {
             (scene_binding::LIGHTS, upload.buffer("lights", &lights.lights, storage)?),
             (scene_binding::ALIAS, upload.buffer("alias table", &lights.alias, storage)?),
             (scene_binding::SECOND_UVS, upload.buffer("second uvs", &arrays.second_uvs, storage)?),
+            (scene_binding::ENVIRONMENT, upload.buffer("environment map", environment, storage)?),
         ];
         let (textures, views) = upload_textures(device, &mut upload, scene)?;
         upload.finish()?;
@@ -71,6 +74,7 @@ impl GpuScene {
         Ok(GpuScene {
             set,
             light_count: lights.lights.len() as u32,
+            environment_size: scene.environment.as_ref().map_or(UVec2::ZERO, |map| map.size),
             features: arrays.features,
             bytes,
             _buffers: buffers,
@@ -86,6 +90,11 @@ impl GpuScene {
 
     pub fn light_count(&self) -> u32 {
         self.light_count
+    }
+
+    /// Texels of the environment map; 0 without one.
+    pub fn environment_size(&self) -> UVec2 {
+        self.environment_size
     }
 
     /// [`shared::frame::features`] of the scene.

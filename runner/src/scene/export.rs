@@ -106,7 +106,7 @@ fn document(scene: &SceneDescription) -> Result<(Map<String, Value>, Vec<u8>)> {
     let (images, textures, samplers) = textures_json(&scene.textures, &mut bin)?;
     let materials: Vec<Value> = scene.materials.iter().map(material_json).collect();
     let nodes = nodes_json(scene);
-    let lights: Vec<Value> = scene.lights.iter().map(light_json).collect();
+    let lights: Vec<Value> = scene.point_lights.iter().map(light_json).collect();
     let mut root = Map::new();
     root.insert("asset".into(), json!({ "version": "2.0", "generator": "Candela" }));
     if !nodes.is_empty() {
@@ -295,7 +295,7 @@ fn nodes_json(scene: &SceneDescription) -> Vec<Value> {
     };
     let instances = scene.instances.iter().map(instance);
     let cameras = scene.cameras.iter().enumerate().map(camera);
-    instances.chain(cameras).chain(scene.lights.iter().enumerate().map(light)).collect()
+    instances.chain(cameras).chain(scene.point_lights.iter().enumerate().map(light)).collect()
 }
 
 #[cfg(test)]

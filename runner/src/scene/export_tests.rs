@@ -46,7 +46,10 @@ fn small_scene() -> SceneDescription {
             texture(true, [Wrap::Repeat, Wrap::MirroredRepeat]),
             texture(false, [Wrap::ClampToEdge; 2]),
         ],
-        lights: vec![PointLight { position: Vec3::new(1.0, 2.0, 3.0), intensity: Vec3::new(8.0, 2.0, 4.0) }],
+        point_lights: vec![PointLight {
+            position: Vec3::new(1.0, 2.0, 3.0),
+            intensity: Vec3::new(8.0, 2.0, 4.0),
+        }],
         cameras: vec![SceneCamera {
             name: "eye".into(),
             position: Vec3::new(0.0, 1.0, 5.0),
@@ -55,6 +58,7 @@ fn small_scene() -> SceneDescription {
             fov_y: 0.75,
         }],
         warnings: Vec::new(),
+        ..SceneDescription::default()
     }
 }
 

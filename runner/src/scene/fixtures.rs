@@ -146,7 +146,9 @@ fn point_lights() -> SceneDescription {
     for i in 0..25u8 {
         let (x, z) = (f32::from(i % 5) - 2.0, f32::from(i / 5) - 2.0);
         let color = Vec3::new(1.0 + f32::from(i % 3), 1.0 + f32::from(i % 4), 1.0 + f32::from(i % 5));
-        scene.lights.push(PointLight { position: Vec3::new(1.2 * x, 1.0, 1.2 * z), intensity: 2.0 * color });
+        scene
+            .point_lights
+            .push(PointLight { position: Vec3::new(1.2 * x, 1.0, 1.2 * z), intensity: 2.0 * color });
     }
     scene
 }
@@ -157,7 +159,7 @@ fn occluder() -> SceneDescription {
     add(&mut scene, "plane", square(2.0, 0.0, Vec3::Y), diffuse([0.5, 0.5, 0.5]));
     let screen = Material { double_sided: true, ..diffuse([0.5, 0.2, 0.1]) };
     add(&mut scene, "screen", square(0.3, 1.0, Vec3::Y), screen);
-    scene.lights.push(PointLight { position: Vec3::new(0.0, 2.0, 0.0), intensity: Vec3::splat(100.0) });
+    scene.point_lights.push(PointLight { position: Vec3::new(0.0, 2.0, 0.0), intensity: Vec3::splat(100.0) });
     scene
 }
 
@@ -192,7 +194,7 @@ fn instances() -> SceneDescription {
         scene.instances.push(Instance { name: name.into(), mesh: 1, transform });
     }
     for (x, intensity) in [(-1.5, Vec3::new(60.0, 50.0, 40.0)), (2.0, Vec3::new(30.0, 40.0, 60.0))] {
-        scene.lights.push(PointLight { position: Vec3::new(x, 2.5, 2.0), intensity });
+        scene.point_lights.push(PointLight { position: Vec3::new(x, 2.5, 2.0), intensity });
     }
     scene
 }
@@ -236,7 +238,11 @@ mod tests {
             }
             assert_eq!(triangles, scene.triangle_count(), "{name}");
             assert_eq!(document.cameras().count(), 1, "{name}");
-            assert_eq!(document.lights().map_or(0, |lights| lights.len()), scene.lights.len(), "{name}");
+            assert_eq!(
+                document.lights().map_or(0, |lights| lights.len()),
+                scene.point_lights.len(),
+                "{name}"
+            );
             let emitting = document.materials().filter(|m| m.emissive_factor() != [0.0; 3]).count();
             assert_eq!(
                 emitting,

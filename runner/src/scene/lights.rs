@@ -1,6 +1,6 @@
 //! All lights of a scene as the GPU reads them, and lights to add to a scene that has too few.
 
-use super::{Image, Instance, PointLight, Primitive, SceneDescription};
+use super::{DirectionalLight, Environment, Image, Instance, PointLight, Primitive, SceneDescription};
 use glam::{UVec2, Vec3};
 use shared::alias_table::AliasEntry;
 use shared::light::{self, Light};
@@ -13,7 +13,8 @@ use std::sync::Arc;
 /// The lights of a scene, and the table that draws them by their power.
 #[derive(Clone, Debug, Default)]
 pub struct LightTable {
-    /// Point lights in their order, then the triangles of each emissive primitive of each instance.
+    /// Point, spot, directional lights in their order, then the triangles of each emissive primitive of each instance,
+    /// then the lit texels of the environment map.
     pub lights: Vec<Light>,
     /// Empty if no light has power.
     pub alias: Vec<AliasEntry>,
@@ -26,8 +27,7 @@ impl LightTable {
     /// Emissive textures count with the average of their texels, so the light of each triangle is uniform.
     pub fn new(scene: &SceneDescription) -> Self {
         let emission = emission_of_materials(scene);
-        let mut lights: Vec<Light> =
-            scene.lights.iter().map(|l| Light::point(l.position, l.intensity)).collect();
+        let mut lights = punctual_lights(scene);
         let mut first_light = Vec::new();
         for instance in &scene.instances {
             let first_of_primitive = |primitive: &Primitive| {
@@ -41,9 +41,36 @@ impl LightTable {
             };
             first_light.push(scene.meshes[instance.mesh].primitives.iter().map(first_of_primitive).collect());
         }
+        lights.extend(environment_lights(scene));
         let alias = light::build_alias_table(&lights);
         LightTable { lights, alias, first_light }
     }
+}
+
+fn punctual_lights(scene: &SceneDescription) -> Vec<Light> {
+    let points = scene.point_lights.iter().map(|l| Light::point(l.position, l.intensity));
+    let spots = scene
+        .spot_lights
+        .iter()
+        .map(|l| Light::spot(l.position, l.axis, l.intensity, l.inner_angle, l.outer_angle));
+    let mut lights: Vec<Light> = points.chain(spots).collect();
+    if !scene.directional_lights.is_empty() {
+        let radius = scene.bounds().radius();
+        let light = |l: &DirectionalLight| Light::directional(l.direction, l.illuminance, radius);
+        lights.extend(scene.directional_lights.iter().map(light));
+    }
+    lights
+}
+
+fn environment_lights(scene: &SceneDescription) -> Vec<Light> {
+    let Some(Environment { size, radiance }) = &scene.environment else { return Vec::new() };
+    let radius = scene.bounds().radius();
+    let lit = radiance.iter().enumerate().filter(|(_, radiance)| **radiance != Vec3::ZERO);
+    lit.map(|(i, &radiance)| {
+        let texel = UVec2::new(i as u32 % size.x, i as u32 / size.x);
+        Light::environment(texel, *size, radiance, radius)
+    })
+    .collect()
 }
 
 fn triangle_lights(
@@ -126,7 +153,7 @@ pub fn scatter(scene: &mut SceneDescription, count: usize, seed: u64) {
         let unit = Vec3::new(rng.next_f32(), rng.next_f32(), rng.next_f32());
         let color = moderate_color(rng.next_f32());
         let position = bounds.min + extent * (0.01 + 0.98 * unit);
-        scene.lights.push(PointLight { position, intensity: color * intensity });
+        scene.point_lights.push(PointLight { position, intensity: color * intensity });
     }
 }
 
@@ -171,7 +198,7 @@ mod tests {
                 })
                 .to_vec(),
             materials: vec![Material::default(), glowing],
-            lights: vec![PointLight { position: Vec3::Y, intensity: Vec3::splat(7.0) }],
+            point_lights: vec![PointLight { position: Vec3::Y, intensity: Vec3::splat(7.0) }],
             ..SceneDescription::default()
         }
     }
@@ -250,9 +277,9 @@ mod tests {
     fn scattered_lights_are_repeatable_and_inside() {
         let lights = |count, seed| {
             let mut scene = scene();
-            scene.lights.clear();
+            scene.point_lights.clear();
             scatter(&mut scene, count, seed);
-            (scene.bounds(), scene.lights)
+            (scene.bounds(), scene.point_lights)
         };
         let (bounds, first) = lights(1000, 5);
         assert_eq!(first, lights(1000, 5).1);
@@ -274,17 +301,17 @@ mod tests {
     fn scattered_flux_depends_on_neither_count_nor_size() {
         for (count, scale) in [(1, 1.0), (100, 1.0), (100, 10.0)] {
             let mut scene = scene();
-            scene.lights.clear();
+            scene.point_lights.clear();
             scene.instances.truncate(1);
             scene.instances[0].transform = Affine3A::from_scale(Vec3::splat(scale));
             scatter(&mut scene, count, 1);
-            let flux: f32 = scene.lights.iter().map(|l| 4.0 * PI * luminance(l.intensity)).sum();
+            let flux: f32 = scene.point_lights.iter().map(|l| 4.0 * PI * luminance(l.intensity)).sum();
             // The box of 2 x 4 x 6 m has 88 m².
             let illuminance = flux / (88.0 * scale * scale);
             assert!((illuminance - 500.0).abs() < 0.05, "{count} lights, scale {scale}: {illuminance} lx");
         }
         let mut empty = SceneDescription::default();
         scatter(&mut empty, 10, 1);
-        assert!(empty.lights.is_empty());
+        assert!(empty.point_lights.is_empty());
     }
 }

@@ -2,6 +2,7 @@
 
 pub mod atrium;
 pub mod camera;
+pub mod environment;
 pub mod export;
 pub mod fixtures;
 pub mod gltf;
@@ -9,7 +10,8 @@ pub mod lights;
 pub mod shapes;
 mod source;
 
-pub use source::load;
+pub use environment::Environment;
+pub use source::{EnvironmentSource, load};
 
 use glam::{Affine3A, Vec2, Vec3, Vec4};
 use shared::material::{DIELECTRIC_F0, UvMap, slot};
@@ -24,7 +26,10 @@ pub struct SceneDescription {
     pub instances: Vec<Instance>,
     pub materials: Vec<Material>,
     pub textures: Vec<Texture>,
-    pub lights: Vec<PointLight>,
+    pub point_lights: Vec<PointLight>,
+    pub spot_lights: Vec<SpotLight>,
+    pub directional_lights: Vec<DirectionalLight>,
+    pub environment: Option<Environment>,
     pub cameras: Vec<SceneCamera>,
     /// One line each: what the file has and the picture will not show, and why.
     pub warnings: Vec<String>,
@@ -150,6 +155,29 @@ pub struct PointLight {
     pub intensity: Vec3,
 }
 
+/// A point light that shines into a cone (KHR_lights_punctual), in world space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SpotLight {
+    /// m
+    pub position: Vec3,
+    /// Unit, the way it shines.
+    pub axis: Vec3,
+    /// On the axis, cd, linear RGB
+    pub intensity: Vec3,
+    /// Angles from the axis, radians: full intensity up to the inner, none from the outer on.
+    pub inner_angle: f32,
+    pub outer_angle: f32,
+}
+
+/// Parallel light, such as the sun's, in world space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DirectionalLight {
+    /// Unit, toward the light.
+    pub direction: Vec3,
+    /// On a surface that faces the light, lx, linear RGB
+    pub illuminance: Vec3,
+}
+
 /// A perspective camera in world space.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneCamera {
@@ -227,6 +255,12 @@ impl Bounds {
     /// Length of the box along each axis.
     pub fn extent(&self) -> Vec3 {
         self.max - self.min
+    }
+
+    /// Radius of the sphere around the box, m; 1 for a box without any extent.
+    pub fn radius(&self) -> f32 {
+        let radius = 0.5 * self.extent().as_dvec3().length() as f32;
+        if self.extent().min_element() >= 0.0 && radius > 0.0 { radius } else { 1.0 }
     }
 }
 

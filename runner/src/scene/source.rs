@@ -1,22 +1,38 @@
 //! From what the command line names to a scene with lights.
 
 use super::lights::{LightTable, scatter};
-use super::{SceneDescription, SceneSource, atrium, gltf};
+use super::{SceneDescription, SceneSource, atrium, environment, gltf};
 use crate::error::Result;
+use std::path::PathBuf;
 
 /// Seed of scattered lights: the same file and count give the same lights everywhere.
 const SCATTER_SEED: u64 = 1;
 
-/// Loads or generates a scene. `light_count` point lights light the atrium, or a file that brings no light of its own.
-pub fn load(source: &SceneSource, light_count: usize) -> Result<SceneDescription> {
-    match source {
-        SceneSource::Atrium => Ok(atrium::atrium(light_count)),
-        SceneSource::File(path) => {
-            let mut scene = gltf::load(path)?;
-            if LightTable::new(&scene).alias.is_empty() {
-                scatter(&mut scene, light_count, SCATTER_SEED);
-            }
-            Ok(scene)
-        }
+/// An environment map, as the command line names it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EnvironmentSource {
+    pub path: PathBuf,
+    /// Factor from the file's values to nit.
+    pub scale: f32,
+}
+
+/// Loads or generates a scene. `light_count` point lights light the atrium, or a file that brings no light of its own
+/// and has no environment around it.
+pub fn load(
+    source: &SceneSource,
+    light_count: usize,
+    environment: Option<&EnvironmentSource>,
+) -> Result<SceneDescription> {
+    let mut scene = match source {
+        SceneSource::Atrium => atrium::atrium(light_count),
+        SceneSource::File(path) => gltf::load(path)?,
+    };
+    if let Some(source) = environment {
+        let (map, warning) = environment::load(&source.path, source.scale)?;
+        scene.environment = Some(map);
+        scene.warnings.extend(warning);
+    } else if LightTable::new(&scene).alias.is_empty() {
+        scatter(&mut scene, light_count, SCATTER_SEED);
     }
+    Ok(scene)
 }

@@ -29,7 +29,7 @@ pub fn atrium(light_count: usize) -> SceneDescription {
         name: "atrium".into(),
         materials: materials::materials(),
         textures: textures::textures(),
-        lights: lights::lights(light_count),
+        point_lights: lights::lights(light_count),
         cameras: cameras(),
         ..SceneDescription::default()
     };

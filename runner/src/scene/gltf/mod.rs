@@ -86,7 +86,7 @@ struct Loader<'b> {
 impl Loader<'_> {
     fn add(&mut self, placed: &Placed) -> Reason<()> {
         self.scene.cameras.extend(placed.camera(&mut self.warnings));
-        self.scene.lights.extend(placed.point_light(&mut self.warnings)?);
+        placed.add_light(&mut self.scene, &mut self.warnings)?;
         let Some(mesh) = placed.node.mesh() else { return Ok(()) };
         if placed.node.skin().is_some() {
             self.warnings.add("skins are drawn as modelled", &placed.label);
@@ -150,7 +150,9 @@ fn in_range(scene: &SceneDescription) -> bool {
         let mut positions = scene.meshes[instance.mesh].primitives.iter().flat_map(|p| &p.positions);
         positions.all(|&p| near(instance.transform.transform_point3(p)))
     };
-    scene.instances.iter().all(instance_is_near) && scene.lights.iter().all(|light| near(light.position))
+    scene.instances.iter().all(instance_is_near)
+        && scene.point_lights.iter().all(|light| near(light.position))
+        && scene.spot_lights.iter().all(|light| near(light.position))
 }
 
 /// `node 3 'Lamp'`

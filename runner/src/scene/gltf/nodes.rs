@@ -2,10 +2,14 @@
 
 use super::warnings::Warnings;
 use super::{Reason, label};
-use crate::scene::{PointLight, SceneCamera};
+use crate::scene::{DirectionalLight, PointLight, SceneCamera, SceneDescription, SpotLight};
 use glam::{Affine3A, DAffine3, DMat3, DMat4, DQuat, DVec3, Vec3};
+use gltf::khr_lights_punctual::Kind;
 use gltf::scene::Transform;
 use gltf::{Document, Node};
+
+/// The widest outer angle of a spot, radians: π/2, as files round it.
+const MAX_CONE: f32 = std::f32::consts::FRAC_PI_2 + 1e-4;
 
 /// A node and its place.
 pub struct Placed<'a> {
@@ -101,29 +105,40 @@ impl Placed<'_> {
         })
     }
 
-    /// The node's point light (KHR_lights_punctual): its color is linear, and no scale changes its intensity.
-    pub fn point_light(&self, warnings: &mut Warnings) -> Reason<Option<PointLight>> {
-        use gltf::khr_lights_punctual::Kind;
-        let Some(light) = self.node.light() else { return Ok(None) };
-        let left_out = match light.kind() {
-            Kind::Point => None,
-            Kind::Spot { .. } => Some("spot lights are left out until they can be sampled"),
-            Kind::Directional => Some("directional lights are left out until they can be sampled"),
-        };
-        if let Some(text) = left_out {
-            warnings.add(text, &self.label);
-            return Ok(None);
-        }
+    /// Adds the node's light (KHR_lights_punctual): its color is linear, and no scale changes its intensity.
+    /// Errors: an intensity or a cone that makes no sense.
+    pub fn add_light(&self, scene: &mut SceneDescription, warnings: &mut Warnings) -> Reason<()> {
+        let Some(light) = self.node.light() else { return Ok(()) };
         if light.range().is_some() {
-            warnings.add(
-                "the range of a light is ignored: it falls off with the square of the distance",
-                &self.label,
-            );
+            let text = "the range of a light is ignored: it falls off with the square of the distance";
+            warnings.add(text, &self.label);
         }
         let intensity = Vec3::from(light.color()) * light.intensity();
         if !(intensity.is_finite() && intensity.min_element() >= 0.0) {
             return Err(format!("{}: light intensity {intensity} is negative or infinite", self.label));
         }
-        Ok(Some(PointLight { position: self.world.translation.as_vec3(), intensity }))
+        let position = self.world.translation.as_vec3();
+        // It shines along -z.
+        let axis = -self.world.matrix3.z_axis.normalize_or_zero().as_vec3();
+        if axis == Vec3::ZERO && !matches!(light.kind(), Kind::Point) {
+            warnings.add("a light scaled to nothing shines nowhere, so is left out", &self.label);
+            return Ok(());
+        }
+        match light.kind() {
+            Kind::Point => scene.point_lights.push(PointLight { position, intensity }),
+            Kind::Spot { inner_cone_angle: inner_angle, outer_cone_angle: outer_angle } => {
+                if !(0.0 <= inner_angle && inner_angle <= outer_angle && outer_angle <= MAX_CONE) {
+                    let cone = format!("a cone from {inner_angle} to {outer_angle} rad");
+                    return Err(format!("{}: {cone}; 0 <= inner <= outer <= pi/2 is possible", self.label));
+                }
+                let light = SpotLight { position, axis, intensity, inner_angle, outer_angle };
+                scene.spot_lights.push(light);
+            }
+            Kind::Directional => {
+                let light = DirectionalLight { direction: -axis, illuminance: intensity };
+                scene.directional_lights.push(light);
+            }
+        }
+        Ok(())
     }
 }

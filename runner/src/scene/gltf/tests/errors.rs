@@ -199,3 +199,15 @@ fn names_can_not_break_the_line() {
         &["node 0 'two lines [31m'"],
     );
 }
+
+#[test]
+fn cones_that_are_none() {
+    for (inner, outer) in [(0.5, 0.4), (-0.1, 0.4), (0.0, 1.6)] {
+        let spot = json!({"type": "spot", "spot": {"innerConeAngle": inner, "outerConeAngle": outer}});
+        let change = |file: &mut File| {
+            file.json["extensions"] = json!({"KHR_lights_punctual": {"lights": [spot]}});
+            file.json["nodes"][0]["extensions"] = json!({"KHR_lights_punctual": {"light": 0}});
+        };
+        rejected(change, &["node 0 'quad'", "a cone from", "inner <= outer"]);
+    }
+}

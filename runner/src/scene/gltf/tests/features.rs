@@ -174,7 +174,7 @@ fn cameras_and_lights_stand_in_the_world() {
         {"type": "perspective", "perspective": {"yfov": 0.5, "znear": 0.1}},
         {"type": "orthographic", "orthographic": {"xmag": 1, "ymag": 1, "zfar": 9, "znear": 0.1}},
     ]);
-    let light = |kind: &str| json!({"type": kind, "color": [1, 0.5, 0], "intensity": 8, "spot": {}});
+    let light = |kind: &str| json!({"type": kind, "color": [1, 0.5, 0], "intensity": 8, "range": 9, "spot": {"innerConeAngle": 0.25}});
     file.json["extensions"] =
         json!({"KHR_lights_punctual": {"lights": [light("point"), light("spot"), light("directional")]}});
     let carries = |light: usize| json!({"KHR_lights_punctual": {"light": light}});
@@ -183,14 +183,28 @@ fn cameras_and_lights_stand_in_the_world() {
     // A quarter turn about y: the camera looks along -x.
     let turned = json!({"camera": 0, "rotation": [0, half, 0, half], "scale": [3, 3, 3], "translation": [1, 2, 3], "extensions": carries(0)});
     let nodes = file.json["nodes"].as_array_mut().unwrap();
-    nodes.extend([turned, json!({"camera": 1, "extensions": carries(1)}), json!({"extensions": carries(2)})]);
+    let spot = json!({"camera": 1, "rotation": [0, half, 0, half], "scale": [1, -5, 9], "translation": [4, 0, 0], "extensions": carries(1)});
+    // A quarter turn about x: -z becomes +y.
+    let sun = json!({"rotation": [half, 0, 0, half], "translation": [9, 9, 9], "extensions": carries(2)});
+    nodes.extend([turned, spot, sun]);
     let scene = file.load().unwrap();
     let position = Vec3::new(1.0, 2.0, 3.0);
-    assert_eq!(scene.lights, [crate::scene::PointLight { position, intensity: Vec3::new(8.0, 4.0, 0.0) }]);
+    assert_eq!(
+        scene.point_lights,
+        [crate::scene::PointLight { position, intensity: Vec3::new(8.0, 4.0, 0.0) }]
+    );
+    let [spot] = &scene.spot_lights[..] else { panic!("{:?}", scene.spot_lights) };
+    assert!((spot.axis + Vec3::X).length() < 1e-6, "scale may mirror, but not turn the axis: {}", spot.axis);
+    assert_eq!((spot.position, spot.intensity), (Vec3::X * 4.0, Vec3::new(8.0, 4.0, 0.0)));
+    assert_eq!((spot.inner_angle, spot.outer_angle), (0.25, std::f32::consts::FRAC_PI_4));
+    let [sun] = &scene.directional_lights[..] else { panic!("{:?}", scene.directional_lights) };
+    assert!((sun.direction + Vec3::Y).length() < 1e-6, "it shines up: {}", sun.direction);
+    assert_eq!(sun.illuminance, Vec3::new(8.0, 4.0, 0.0));
     let [camera] = &scene.cameras[..] else { panic!("{:?}", scene.cameras) };
     assert_eq!((camera.position, camera.fov_y), (position, 0.5));
     assert!((camera.forward + Vec3::X).length() < 1e-6 && (camera.up - Vec3::Y).length() < 1e-6);
-    assert_eq!(scene.warnings.len(), 3, "{:?}", scene.warnings);
+    // Ranges in one line, the orthographic camera in another.
+    assert_eq!(scene.warnings.len(), 2, "{:?}", scene.warnings);
 }
 
 #[test]

@@ -1,0 +1,215 @@
+//! Environment maps from files: equirectangular .hdr or .exr (orientation: see `shared::environment`).
+
+use crate::error::{Error, Result};
+use glam::{DVec3, UVec2, Vec3};
+use image::{ImageFormat, ImageReader};
+use std::f64::consts::PI;
+use std::io::Cursor;
+use std::path::Path;
+
+/// Light from infinity: a map twice as wide as high, rows from the top.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Environment {
+    pub size: UVec2,
+    /// Radiance of each texel, nit, linear RGB; finite and not negative.
+    pub radiance: Vec<Vec3>,
+}
+
+/// Larger maps are filtered down to this: every texel is a light of its own.
+pub const MAX_SIZE: UVec2 = UVec2::new(1024, 512);
+
+/// Widest map that is read.
+const MAX_WIDTH: u32 = 16384;
+
+/// Stands for infinity, which half floats make of what they can't hold: their largest number.
+const LARGEST: f32 = 65504.0;
+
+/// nit; a thousand times the sun's disk, and far from the end of f32.
+const MAX_RADIANCE: f32 = 1e12;
+
+/// Reads the map in `path`, its values times `scale` as nit, filtered down to [`MAX_SIZE`]; and a warning if some were
+/// no radiance. Errors, one line each: a file that can't be read or decoded, or is no equirectangular map.
+pub fn load(path: &Path, scale: f32) -> Result<(Environment, Option<String>)> {
+    let bytes =
+        std::fs::read(path).map_err(|source| Error::File { path: path.into(), action: "read", source })?;
+    let broken = |reason: String| {
+        let reason = reason.replace(char::is_control, " ");
+        Error::Scene { path: path.into(), reason: format!("environment map: {reason}") }
+    };
+    let (size, mut radiance) = decode(&bytes).map_err(broken)?;
+    let clamped = radiance.iter_mut().filter_map(|texel| clamp(texel, scale).then_some(())).count();
+    let warning = (clamped > 0).then(|| {
+        format!("{clamped} texels of the environment map are negative, infinite or no number, so are clamped")
+    });
+    Ok((filter(Environment { size, radiance }, MAX_SIZE), warning))
+}
+
+fn decode(bytes: &[u8]) -> Result<(UVec2, Vec<Vec3>), String> {
+    let format = image::guess_format(bytes).ok();
+    let Some(format @ (ImageFormat::Hdr | ImageFormat::OpenExr)) = format else {
+        return Err("neither Radiance (.hdr) nor OpenEXR (.exr)".into());
+    };
+    let reader = || {
+        let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
+        reader.no_limits();
+        reader
+    };
+    // Before the texels, which a broken file may have very many of.
+    let (width, height) = reader().into_dimensions().map_err(|error| error.to_string())?;
+    if u64::from(width) != 2 * u64::from(height) || width > MAX_WIDTH {
+        return Err(format!(
+            "{width} x {height} px; it must be twice as wide as high, and at most {MAX_WIDTH} wide"
+        ));
+    }
+    let texels = reader().decode().map_err(|error| error.to_string())?.into_rgb32f();
+    Ok((UVec2::new(width, height), texels.pixels().map(|p| Vec3::from_array(p.0)).collect()))
+}
+
+/// Scales a texel and makes it a radiance; true if it was none.
+fn clamp(texel: &mut Vec3, scale: f32) -> bool {
+    // NaN fails the comparison.
+    let valid = |x: f32| (0.0..f32::INFINITY).contains(&x);
+    let was_valid = texel.to_array().into_iter().all(valid);
+    let value = |x: f32| if x > 0.0 { x.min(if x == f32::INFINITY { LARGEST } else { x }) } else { 0.0 };
+    *texel = Vec3::from(texel.to_array().map(|x| (value(x) * scale).min(MAX_RADIANCE)));
+    !was_valid
+}
+
+/// Box filter to at most `largest`: each new texel is the mean over its solid angle, so that no light is lost or gained.
+pub fn filter(map: Environment, largest: UVec2) -> Environment {
+    let size = map.size.min(largest);
+    if size == map.size {
+        return map;
+    }
+    let columns = shares(map.size.x, size.x, |u| u);
+    let rows = shares(map.size.y, size.y, |v| -(PI * v).cos());
+    let row_mean = |row: &[Vec3], shares: &[(usize, f64)]| -> DVec3 {
+        shares.iter().map(|&(x, share)| row[x].as_dvec3() * share).sum()
+    };
+    let mut radiance = Vec::with_capacity((size.x * size.y) as usize);
+    for shares in &rows {
+        let mut means = vec![DVec3::ZERO; size.x as usize];
+        for &(y, share) in shares {
+            let row = &map.radiance[y * map.size.x as usize..][..map.size.x as usize];
+            for (mean, columns) in means.iter_mut().zip(&columns) {
+                *mean += share * row_mean(row, columns);
+            }
+        }
+        radiance.extend(means.iter().map(|mean| mean.as_vec3()));
+    }
+    Environment { size, radiance }
+}
+
+/// For each of `to` cells of the unit interval: which of `from` cells it covers, each with its share of the cell in a
+/// measure whose integral up to a place is `measure`.
+fn shares(from: u32, to: u32, measure: impl Fn(f64) -> f64) -> Vec<Vec<(usize, f64)>> {
+    let edge = |i: u32, n: u32| f64::from(i) / f64::from(n);
+    let cell = |i: u32| {
+        let (start, end) = (edge(i, to), edge(i + 1, to));
+        let all = measure(end) - measure(start);
+        // Integers: no rounding may lose a cell.
+        let first = (u64::from(i) * u64::from(from) / u64::from(to)) as u32;
+        let last = ((u64::from(i + 1) * u64::from(from)).div_ceil(u64::from(to))) as u32;
+        let share = |j: u32| {
+            let overlap = measure(edge(j + 1, from).min(end)) - measure(edge(j, from).max(start));
+            (j as usize, overlap / all)
+        };
+        (first..last).map(share).collect()
+    };
+    (0..to).map(cell).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::image_io;
+    use std::path::PathBuf;
+
+    fn file(name: &str, bytes: &[u8]) -> PathBuf {
+        let folder = std::env::temp_dir().join(format!("candela-environment-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let path = folder.join(name);
+        std::fs::write(&path, bytes).unwrap();
+        path
+    }
+
+    fn hdr(width: u32, height: u32, texel: [f32; 3]) -> Vec<u8> {
+        let mut bytes = Cursor::new(Vec::new());
+        image::Rgb32FImage::from_pixel(width, height, image::Rgb(texel))
+            .write_to(&mut bytes, ImageFormat::Hdr)
+            .unwrap();
+        bytes.into_inner()
+    }
+
+    #[test]
+    fn both_formats_are_read_and_scaled() {
+        let (map, warning) = load(&file("sky.hdr", &hdr(8, 4, [1.0, 2.0, 0.5])), 100.0).unwrap();
+        assert_eq!(
+            (map.size, map.radiance[31], warning),
+            (UVec2::new(8, 4), Vec3::new(100.0, 200.0, 50.0), None)
+        );
+        let path = file("sky.exr", &[]);
+        let radiance: Vec<Vec3> = (0..8).map(|i| Vec3::new(i as f32, 0.25, 1e5)).collect();
+        image_io::write_exr(&path, UVec2::new(4, 2), &radiance).unwrap();
+        assert_eq!(load(&path, 1.0).unwrap().0.radiance, radiance);
+    }
+
+    #[test]
+    fn bad_files_make_one_line() {
+        let whole = hdr(64, 32, [1.0; 3]);
+        for (name, bytes, part) in [
+            ("empty.hdr", &b""[..], "neither Radiance"),
+            ("png.hdr", b"\x89PNG\r\n\x1a\n", "neither Radiance"),
+            ("cut.hdr", &whole[..whole.len() / 2], "environment map"),
+            ("header.hdr", &whole[..20], "environment map"),
+            ("cut.exr", b"\x76\x2f\x31\x01\x02\0\0\0", "environment map"),
+            ("square.hdr", &hdr(4, 4, [1.0; 3]), "4 x 4 px"),
+            ("wide.hdr", b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 16384 +X 32768\n", "at most 16384"),
+        ] {
+            let path = file(name, bytes);
+            let message = load(&path, 1.0).unwrap_err().to_string();
+            assert!(
+                message.contains(part) && message.contains(name) && message.lines().count() == 1,
+                "{message}"
+            );
+        }
+        let message = load(Path::new("/nowhere/sky.hdr"), 1.0).unwrap_err().to_string();
+        assert!(message.contains("/nowhere/sky.hdr: can't read"), "{message}");
+    }
+
+    #[test]
+    fn texels_that_are_no_radiance_are_clamped() {
+        let path = file("odd.exr", &[]);
+        let odd = [Vec3::new(f32::NAN, -1.0, 2.0), Vec3::new(f32::INFINITY, 1.0, 1.0)];
+        image_io::write_exr(&path, UVec2::new(2, 1), &odd).unwrap();
+        let (map, warning) = load(&path, 2.0).unwrap();
+        assert_eq!(map.radiance, [Vec3::new(0.0, 0.0, 4.0), Vec3::new(2.0 * 65504.0, 2.0, 2.0)]);
+        assert!(warning.unwrap().starts_with("2 texels"));
+    }
+
+    /// ∫ L dω before and after; sizes that divide and that don't.
+    #[test]
+    fn filtering_keeps_the_light() {
+        let integral = |map: &Environment| -> DVec3 {
+            let edge = |y: u32| (PI * f64::from(y) / f64::from(map.size.y)).cos();
+            let weight = |i: usize| {
+                let y = i as u32 / map.size.x;
+                (edge(y) - edge(y + 1)) * 2.0 * PI / f64::from(map.size.x)
+            };
+            map.radiance.iter().enumerate().map(|(i, l)| l.as_dvec3() * weight(i)).sum()
+        };
+        let size = UVec2::new(60, 30);
+        let mut radiance: Vec<Vec3> = (0..1800).map(|i| Vec3::new((i * 37 % 101) as f32, 1.0, 0.0)).collect();
+        // A sun in one texel.
+        radiance[700].z = 1e6;
+        let map = Environment { size, radiance };
+        for largest in [UVec2::new(30, 15), UVec2::new(14, 7), UVec2::new(44, 22), UVec2::new(2, 1)] {
+            let small = filter(map.clone(), largest);
+            assert_eq!((small.size, small.radiance.len() as u32), (largest, largest.x * largest.y));
+            let error = (integral(&small) / integral(&map) - 1.0).abs().max_element();
+            assert!(error < 1e-6, "{largest}: {error}");
+            assert!(small.radiance.iter().all(|l| (l.y - 1.0).abs() < 1e-6), "a constant stays one");
+        }
+        assert_eq!(filter(map.clone(), MAX_SIZE), map);
+    }
+}

@@ -1,0 +1,264 @@
+//! Lights: one `Light` for every kind, in world space and photometric units, as the GPU reads it.
+
+mod table;
+#[cfg(test)]
+mod tests;
+
+#[cfg(not(target_arch = "spirv"))]
+pub use table::build_alias_table;
+pub use table::{LightSample, LightTable, Lights};
+
+use crate::environment;
+#[cfg(not(target_arch = "spirv"))]
+use crate::math::luminance;
+use crate::math::{normalize_or, safe_ratio};
+use crate::pdf::SourcePdf;
+use crate::sampling::{square_to_triangle, triangle_pdf};
+use bytemuck::{Pod, Zeroable};
+#[cfg(not(target_arch = "spirv"))]
+use core::f32::consts::PI;
+#[cfg(not(target_arch = "spirv"))]
+use glam::UVec2;
+use glam::{Vec2, Vec3};
+
+/// `Light::kind`.
+pub mod kind {
+    /// A point that radiates `emission` candela in every direction.
+    pub const POINT: u32 = 0;
+    /// A triangle whose every point radiates `emission` nit (Lambertian).
+    pub const TRIANGLE: u32 = 1;
+    /// A point that radiates `emission` candela along its axis, and less around it (KHR_lights_punctual).
+    pub const SPOT: u32 = 2;
+    /// Parallel light of `emission` lux on a surface that faces it.
+    pub const DIRECTIONAL: u32 = 3;
+    /// A texel of an environment map: `emission` nit from every direction in it.
+    pub const ENVIRONMENT: u32 = 4;
+}
+
+/// `Light::flags`: both sides of a triangle emit.
+pub const DOUBLE_SIDED: u32 = 1;
+
+/// How far light from infinity is followed, in radii of the scene: from any point of the bounding sphere to beyond it.
+const REACH: f32 = 2.01;
+
+/// One light. 64 bytes, as in memory.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct Light {
+    /// Point, spot: its position. Triangle: its first vertex. World space, m.
+    pub position: Vec3,
+    /// One of [`kind`].
+    pub kind: u32,
+    /// Triangle: second vertex - first vertex, m. Spot: unit direction it shines in. Directional: unit direction to it.
+    /// Environment: (φ of its left edge, cosθ of its lower edge, 0).
+    pub edge1: Vec3,
+    /// [`DOUBLE_SIDED`].
+    pub flags: u32,
+    /// Triangle: third vertex - first vertex, m. Spot: (cosine of the outer angle, 1 / (cosine of the inner angle - that),
+    /// 0). Directional, environment: (radius of the scene's bounding sphere, m, width in φ, height in cosθ).
+    pub edge2: Vec3,
+    /// Triangle: its area, m². Environment: its solid angle, sr. Computed in f64 by the host.
+    pub area: f32,
+    /// Point, spot: intensity, cd. Triangle: radiance, nit. Directional: illuminance, lx.
+    /// Environment: radiance, nit. Linear RGB.
+    pub emission: Vec3,
+    /// Luminous flux, lm: the weight in the alias table. See [`Light::power`].
+    pub power: f32,
+}
+
+/// A light sample as seen from a shading point.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Incident {
+    /// The sampled point, world space, m. Of light from infinity: a point in its direction beyond the scene.
+    pub position: Vec3,
+    /// Normal of the light there, on the side of the receiver; 0 for lights without a surface.
+    pub normal: Vec3,
+    /// Largest number the position was computed from (see [`crate::math::offset_ray_origin`]), m.
+    pub magnitude: f32,
+    /// Unit direction from the receiver to the light.
+    pub direction: Vec3,
+    /// Distance to it, m.
+    pub distance: f32,
+    /// What arrives per unit of the light's measure, without the receiver's cosine: Le cosθ'/d² (nit/m²) for an area,
+    /// I/d² (lx) for a point, E (lx) from a direction, L (nit) for a solid angle. Linear RGB, unshadowed.
+    pub irradiance: Vec3,
+}
+
+#[cfg(not(target_arch = "spirv"))]
+impl Light {
+    /// A point light. `position` in m, `intensity` in cd.
+    pub fn point(position: Vec3, intensity: Vec3) -> Self {
+        Light { position, kind: kind::POINT, emission: intensity, ..Zeroable::zeroed() }.with_power()
+    }
+
+    /// An emissive triangle. Vertices in m, counter-clockwise seen from the side that emits; `radiance` in nit.
+    pub fn triangle(vertices: [Vec3; 3], radiance: Vec3, double_sided: bool) -> Self {
+        let [a, b, c] = vertices;
+        let (edge1, edge2) = (b - a, c - a);
+        let area = 0.5 * edge1.as_dvec3().cross(edge2.as_dvec3()).length();
+        Light {
+            position: a,
+            kind: kind::TRIANGLE,
+            edge1,
+            flags: if double_sided { DOUBLE_SIDED } else { 0 },
+            edge2,
+            area: area as f32,
+            emission: radiance,
+            power: 0.0,
+        }
+        .with_power()
+    }
+
+    /// A spot light that shines along `axis` (unit). `intensity` on the axis in cd; it is full up to `inner` rad from the
+    /// axis and 0 from `outer` on (KHR_lights_punctual, "Inner and Outer Cone Angles").
+    pub fn spot(position: Vec3, axis: Vec3, intensity: Vec3, inner: f32, outer: f32) -> Self {
+        let [cos_inner, cos_outer] = [inner, outer].map(|angle| f64::from(angle).cos());
+        // 0.001: the extension's own guard.
+        let edge2 = Vec3::new(cos_outer as f32, (1.0 / (cos_inner - cos_outer).max(0.001)) as f32, 0.0);
+        let light = Light { position, kind: kind::SPOT, edge1: axis, edge2, ..Zeroable::zeroed() };
+        Light { emission: intensity, ..light }.with_power()
+    }
+
+    /// Parallel light from `direction` (unit, toward the light) on a scene with a bounding sphere of `radius` m.
+    /// `illuminance` in lx on a surface that faces it.
+    pub fn directional(direction: Vec3, illuminance: Vec3, radius: f32) -> Self {
+        let edge2 = Vec3::new(radius, 0.0, 0.0);
+        let light = Light { kind: kind::DIRECTIONAL, edge1: direction, edge2, ..Zeroable::zeroed() };
+        Light { emission: illuminance, ..light }.with_power()
+    }
+
+    /// Texel `texel` (column, row from the top) of an environment map of `size`, its mean `radiance` in nit, for a scene
+    /// with a bounding sphere of `radius` m. See [`crate::environment`].
+    pub fn environment(texel: UVec2, size: UVec2, radiance: Vec3, radius: f32) -> Self {
+        use core::f64::consts::{PI, TAU};
+        let cos = |row: u32| (PI * f64::from(row) / f64::from(size.y)).cos();
+        let (width, height) = (TAU / f64::from(size.x), cos(texel.y) - cos(texel.y + 1));
+        let left = f64::from(texel.x) * width - PI;
+        Light {
+            kind: kind::ENVIRONMENT,
+            edge1: Vec3::new(left as f32, cos(texel.y + 1) as f32, 0.0),
+            edge2: Vec3::new(radius, width as f32, height as f32),
+            area: (width * height) as f32,
+            emission: radiance,
+            ..Zeroable::zeroed()
+        }
+        .with_power()
+    }
+
+    fn with_power(mut self) -> Self {
+        // An infinite weight would count as none.
+        self.power = self.power().min(f32::MAX);
+        self
+    }
+
+    /// Luminous flux Φ in lm (but for the factor 683 that photometric input already holds).
+    /// Point: 4π I. Triangle: π L A a side (Lambertian emitter). Spot: see [`Light::spot_solid_angle`].
+    /// Directional: E π r², what falls into the scene's bounding sphere. Environment: L Ω π r².
+    pub fn power(&self) -> f32 {
+        let sides = if self.flags & DOUBLE_SIDED != 0 { 2.0 } else { 1.0 };
+        let extent = match self.kind {
+            kind::TRIANGLE => PI * self.area * sides,
+            kind::SPOT => self.spot_solid_angle(),
+            kind::DIRECTIONAL => PI * self.edge2.x * self.edge2.x,
+            kind::ENVIRONMENT => self.area * PI * self.edge2.x * self.edge2.x,
+            _ => 4.0 * PI,
+        };
+        extent * luminance(self.emission)
+    }
+
+    /// Integral of the spot's attenuation over all directions, sr. With a = cos outer, b = cos inner:
+    /// 2π [(1 - b) + ∫ ((c - a) / (b - a))² dc] = 2π [(1 - b) + (b - a) / 3], c from a to b.
+    fn spot_solid_angle(&self) -> f32 {
+        let (a, width) = (self.edge2.x, 1.0 / self.edge2.y);
+        let full = 1.0 - (a + width);
+        // Within the guard of 0.001 the intensity may not reach its full value: then c ends at 1.
+        let integral =
+            if full >= 0.0 { full + width / 3.0 } else { (1.0 - a).powi(3) / (3.0 * width * width) };
+        2.0 * PI * integral
+    }
+}
+
+impl Light {
+    /// Density of a sample on this light in the light's own measure: 1/area, 1/solid angle, or 1 for a delta light.
+    pub fn pdf_li(&self) -> SourcePdf {
+        match self.kind {
+            kind::TRIANGLE => SourcePdf(triangle_pdf(self.area).0),
+            kind::ENVIRONMENT => SourcePdf(safe_ratio(1.0, self.area)),
+            _ => SourcePdf(1.0),
+        }
+    }
+
+    /// The point `square` of this light as seen from `receiver` (world space, m). A light at the receiver itself, or one
+    /// seen from behind or edge-on, gives no irradiance; nothing here is ever NaN or infinite for finite input.
+    pub fn sample_li(&self, square: Vec2, receiver: Vec3) -> Incident {
+        match self.kind {
+            kind::TRIANGLE => self.sample_triangle(square, receiver),
+            kind::DIRECTIONAL => from_infinity(self.edge1, self.edge2.x, receiver, self.emission),
+            kind::ENVIRONMENT => {
+                let cos_theta = self.edge1.y + square.y * self.edge2.z;
+                let direction = environment::direction(cos_theta, self.edge1.x + square.x * self.edge2.y);
+                from_infinity(direction, self.edge2.x, receiver, self.emission)
+            }
+            kind::SPOT => {
+                let incident = from_point(self.position, receiver, self.emission);
+                Incident {
+                    irradiance: incident.irradiance * self.attenuation(incident.direction),
+                    ..incident
+                }
+            }
+            _ => from_point(self.position, receiver, self.emission),
+        }
+    }
+
+    /// Fraction of a spot's intensity that leaves it against `direction` (unit, to the spot).
+    fn attenuation(&self, direction: Vec3) -> f32 {
+        let cos = -direction.dot(self.edge1);
+        let t = ((cos - self.edge2.x) * self.edge2.y).clamp(0.0, 1.0);
+        t * t
+    }
+
+    fn sample_triangle(&self, square: Vec2, receiver: Vec3) -> Incident {
+        let b = square_to_triangle(square);
+        let position = self.position + b.x * self.edge1 + b.y * self.edge2;
+        let mut normal = normalize_or(self.edge1.cross(self.edge2), Vec3::ZERO);
+        let to_light = position - receiver;
+        let direction = normalize_or(to_light, Vec3::ZERO);
+        let distance = to_light.dot(direction);
+        if self.flags & DOUBLE_SIDED != 0 && normal.dot(direction) > 0.0 {
+            normal = -normal;
+        }
+        let cos_light = (-normal.dot(direction)).max(0.0);
+        Incident {
+            position,
+            normal,
+            magnitude: self.position.abs().max(self.edge1.abs()).max(self.edge2.abs()).max_element(),
+            direction,
+            distance,
+            irradiance: fall_off(self.emission, cos_light, distance),
+        }
+    }
+}
+
+/// Light of `intensity` (cd) from a point.
+fn from_point(position: Vec3, receiver: Vec3, intensity: Vec3) -> Incident {
+    let to_light = position - receiver;
+    let direction = normalize_or(to_light, Vec3::ZERO);
+    let distance = to_light.dot(direction);
+    let irradiance = fall_off(intensity, 1.0, distance);
+    Incident { position, normal: Vec3::ZERO, magnitude: 0.0, direction, distance, irradiance }
+}
+
+/// Light from `direction` that knows no distance, in a scene with a bounding sphere of `radius` m.
+fn from_infinity(direction: Vec3, radius: f32, receiver: Vec3, irradiance: Vec3) -> Incident {
+    let distance = REACH * radius;
+    let position = receiver + direction * distance;
+    Incident { position, normal: Vec3::ZERO, magnitude: 0.0, direction, distance, irradiance }
+}
+
+/// emission cosθ' / d². Components that overflow become the largest number: one absurdly near light must not make a NaN
+/// pixel.
+fn fall_off(emission: Vec3, cos_light: f32, distance: f32) -> Vec3 {
+    // Two divisions, as d² may under- or overflow where the quotient does not.
+    let geometry = safe_ratio(safe_ratio(cos_light, distance), distance);
+    (emission * geometry).min(Vec3::splat(1e30))
+}

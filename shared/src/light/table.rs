@@ -1,0 +1,86 @@
+//! The light table: what a reservoir's sample means, and how one is drawn.
+
+use super::{Incident, Light};
+use crate::pdf::SourcePdf;
+use crate::{alias_table, alias_table::AliasEntry};
+use bytemuck::{Pod, Zeroable};
+use glam::{Vec2, Vec3};
+
+/// A point on a light: what a reservoir keeps. The light and where on it, both as drawn, so that every pass that
+/// reads it evaluates the very same point.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
+#[repr(C)]
+pub struct LightSample {
+    /// Index into the light table.
+    pub light: u32,
+    /// Where on the light: two 16-bit coordinates in the unit square, see [`LightSample::square`].
+    pub uv: u32,
+}
+
+impl LightSample {
+    /// The point of the unit square: centers of a 65536 x 65536 grid, so never on its edge.
+    pub fn square(self) -> Vec2 {
+        Vec2::new((self.uv & 0xffff) as f32 + 0.5, (self.uv >> 16) as f32 + 0.5) * (1.0 / 65536.0)
+    }
+}
+
+/// The lights of a scene.
+#[derive(Clone, Copy)]
+pub struct Lights<'a> {
+    pub lights: &'a [Light],
+}
+
+/// The lights and the table that draws them in proportion to their power.
+#[derive(Clone, Copy)]
+pub struct LightTable<'a> {
+    pub lights: Lights<'a>,
+    pub alias: &'a [AliasEntry],
+}
+
+impl<'a> Lights<'a> {
+    pub fn count(self) -> u32 {
+        self.lights.len() as u32
+    }
+
+    /// `sample` as seen from `receiver`; dark for a sample of no light.
+    pub fn incident(self, sample: LightSample, receiver: Vec3) -> Incident {
+        if sample.light >= self.count() {
+            return Incident::default();
+        }
+        self.lights[sample.light as usize].sample_li(sample.square(), receiver)
+    }
+
+    /// Density of a sample on `light` in the light's own measure; 0 for no light.
+    pub fn pdf_li(self, light: u32) -> SourcePdf {
+        if light < self.count() { self.lights[light as usize].pdf_li() } else { SourcePdf(0.0) }
+    }
+}
+
+impl<'a> LightTable<'a> {
+    /// Draws a light by its power, and a point on it. `random`: alias column, alias ticket, point.
+    pub fn sample(self, random: [u32; 3]) -> (LightSample, SourcePdf) {
+        let (light, pmf) = alias_table::sample(self.alias, [random[0], random[1]]);
+        let sample = LightSample { light, uv: random[2] };
+        (sample, pmf.and_on_light(self.lights.pdf_li(light)))
+    }
+
+    /// `sample` as seen from `receiver`; dark for a sample of no light.
+    pub fn incident(self, sample: LightSample, receiver: Vec3) -> Incident {
+        self.lights.incident(sample, receiver)
+    }
+}
+
+#[cfg(not(target_arch = "spirv"))]
+impl<'a> Lights<'a> {
+    /// Lights without emissive textures.
+    pub fn untextured(lights: &'a [Light]) -> Self {
+        Lights { lights }
+    }
+}
+
+/// The alias table over the power of `lights`.
+#[cfg(not(target_arch = "spirv"))]
+pub fn build_alias_table(lights: &[Light]) -> Vec<AliasEntry> {
+    let weights: Vec<f64> = lights.iter().map(|light| f64::from(light.power)).collect();
+    alias_table::build(&weights)
+}
