@@ -30,7 +30,7 @@ fn one_point_light_over_a_floor() {
     let Some(device) = device() else { return };
     let scene = scene(vec![], vec![], vec![LIGHT]);
     let camera = camera(SIZE);
-    let mut renderer = renderer(device, &scene, SIZE, 1);
+    let mut renderer = renderer(&device, &scene, SIZE, 1);
     let eye = camera.position.as_dvec3();
     let truth_with = |exponent: f64| -> Vec<DVec3> {
         let radiance = |x: DVec3| {
@@ -53,7 +53,7 @@ fn one_point_light_over_a_floor() {
             "{name}: the planted error was not seen"
         );
     }
-    assert_no_validation_messages(device);
+    assert_no_validation_messages(&device);
 }
 
 /// The reference adds every light exactly once, in as many dispatches as it takes. Tolerance as above, and f32 sums.
@@ -76,7 +76,7 @@ fn the_reference_sums_every_light_once() {
         pixels().map(|(_, p)| floor_point(&camera, p, SIZE).map_or(DVec3::ZERO, sum)).collect()
     };
     let truth = sum_of(&lights);
-    let mut renderer = renderer(device, &scene(vec![], vec![], lights.clone()), SIZE, 0);
+    let mut renderer = renderer(&device, &scene(vec![], vec![], lights.clone()), SIZE, 0);
     let image = reference(&mut renderer, camera, 1);
     let error = largest_error(&image, &truth);
     let single = truth.iter().map(|c| c.as_vec3()).collect::<Vec<_>>();
@@ -84,7 +84,7 @@ fn the_reference_sums_every_light_once() {
     // Negative control: one light too few, at a border between dispatches, is seen.
     let fewer = [&lights[..64], &lights[65..]].concat();
     assert!(largest_error(&image, &sum_of(&fewer)) > 1e-3, "a lost light was not seen");
-    assert_no_validation_messages(device);
+    assert_no_validation_messages(&device);
 }
 
 /// `scene` must look like `truth`, and not like `planted`: (floor point, eye) -> radiance. Nothing is left to chance.
@@ -105,7 +105,7 @@ fn assert_known(name: &str, scene: &SceneDescription, truth: Radiance, planted: 
         };
         image.iter().zip(truth).map(pixel).fold(0.0, f64::max)
     };
-    let mut renderer = renderer(device, scene, SIZE, 1);
+    let mut renderer = renderer(&device, scene, SIZE, 1);
     // Neighbors beyond a cone's edge can't draw its light, for which 1/M has a bias there.
     let settings = Settings { spatial: 0, ..Settings::default() };
     for (kind, image) in [
@@ -118,7 +118,7 @@ fn assert_known(name: &str, scene: &SceneDescription, truth: Radiance, planted: 
         assert!(found < TOLERANCE, "{name}: error {found}; {}", failure::write(&name, SIZE, &image, &single));
         assert!(error(&image, &planted) > TOLERANCE, "{name}: the planted error was not seen");
     }
-    assert_no_validation_messages(device);
+    assert_no_validation_messages(&device);
 }
 
 type Radiance<'a> = &'a dyn Fn(DVec3, DVec3) -> DVec3;
@@ -177,7 +177,7 @@ fn hard_shadow_of_a_square() {
     let (u, v) = (Vec3::Z * HALF as f32, Vec3::X * HALF as f32);
     let scene = scene(vec![square(OCCLUDER, u, v, 1)], vec![Material::default()], vec![LIGHT]);
     let camera = camera(SIZE);
-    let mut renderer = renderer(device, &scene, SIZE, 1);
+    let mut renderer = renderer(&device, &scene, SIZE, 1);
     let (eye, light) = (camera.position.as_dvec3(), LIGHT.position.as_dvec3());
     let mut images = vec![reference(&mut renderer, camera, 1)];
     images.extend(exact_settings().map(|settings| restir(&mut renderer, camera, settings, 3, 1)));
@@ -198,5 +198,5 @@ fn hard_shadow_of_a_square() {
     }
     // The picture shows both.
     assert!(dark > 100 && lit > 1000, "{dark} dark and {lit} lit pixels");
-    assert_no_validation_messages(device);
+    assert_no_validation_messages(&device);
 }

@@ -58,7 +58,7 @@ fn a_mask_has_the_shadow_of_its_solid_part() {
     // Rows along v: solid at (u < 1/2, v < 1/2) and (u > 1/2, v > 1/2).
     scene.textures = vec![texture([solid, hole, hole, solid])];
     let camera = camera(SIZE);
-    let mut renderer = renderer(device, &scene, SIZE, 1);
+    let mut renderer = renderer(&device, &scene, SIZE, 1);
     let images = [reference(&mut renderer, camera, 1), restir(&mut renderer, camera, exact(), 1, 1)];
     let (eye, light) = (camera.position.as_dvec3(), LIGHT.position.as_dvec3());
     // Is the segment stopped? None within 1 mm of an edge.
@@ -83,7 +83,7 @@ fn a_mask_has_the_shadow_of_its_solid_part() {
         }
     }
     assert!(dark > 200 && lit > 1000, "{dark} dark and {lit} lit pixels");
-    assert_no_validation_messages(device);
+    assert_no_validation_messages(&device);
 }
 
 /// A pane of alpha 1/2 over the whole floor, between it and the light, below the camera's view: the mean of many seeds
@@ -103,7 +103,7 @@ fn a_blended_pane_halves_the_light_in_the_mean() {
     };
     // Around the light: every shadow ray crosses it once, near its end; few camera rays do.
     let scene = scene(vec![lid(LIGHT.position - Vec3::Y * 0.02, 0.3)], vec![pane], vec![LIGHT]);
-    let mut renderer = renderer(device, &scene, SIZE, 1);
+    let mut renderer = renderer(&device, &scene, SIZE, 1);
     let truth: Vec<Vec3> = pixels()
         .map(|(_, p)| {
             floor_point(&camera, p, SIZE).map_or(Vec3::ZERO, |x| {
@@ -147,7 +147,7 @@ fn a_blended_pane_halves_the_light_in_the_mean() {
     for (name, settings, frames) in cases {
         check(name, &mut |renderer, seed| restir(renderer, camera, settings, frames, seed));
     }
-    assert_no_validation_messages(device);
+    assert_no_validation_messages(&device);
 }
 
 #[test]
@@ -155,7 +155,7 @@ fn scenes_without_alpha_have_no_any_hit() {
     let Some(device) = device() else { return };
     let with = |alpha| {
         let material = Material { alpha, ..Material::default() };
-        GpuScene::new(device, &scene(vec![lid(Vec3::Y, 0.5)], vec![material], vec![LIGHT]))
+        GpuScene::new(&device, &scene(vec![lid(Vec3::Y, 0.5)], vec![material], vec![LIGHT]))
             .unwrap()
             .features()
     };
@@ -199,7 +199,7 @@ fn textures_lie_where_sets_and_transforms_put_them() {
         quad.second_uvs = quad.uvs.iter().map(|uv| Vec2::new(1.0 - uv.x, uv.y)).collect();
         let mut scene = scene(vec![quad], vec![material], vec![LIGHT]);
         scene.textures = vec![texture([black, red, green, blue])];
-        let mut renderer = renderer(device, &scene, SIZE, 1);
+        let mut renderer = renderer(&device, &scene, SIZE, 1);
         let image = restir(&mut renderer, camera, exact(), 1, 1);
         for (i, texel) in expected.into_iter().enumerate() {
             let (x, z) = ([-0.5, 0.5][i % 2], [-0.5, 0.5][i / 2]);
@@ -208,7 +208,7 @@ fn textures_lie_where_sets_and_transforms_put_them() {
             assert!(error < 1e-3, "quarter {i} of {map:?}: {seen}");
         }
     }
-    assert_no_validation_messages(device);
+    assert_no_validation_messages(&device);
 }
 
 /// A single-sided quad that turns its back is not there for the camera, mirrored or not, but for its shadow.
@@ -228,7 +228,7 @@ fn backs_of_single_sided_surfaces_only_cast_shadows() {
                 let scale = Vec3::new(if mirrored { -1.0 } else { 1.0 }, 1.0, 1.0);
                 let transform = Affine3A::from_translation(place) * Affine3A::from_scale(scale);
                 scene.instances.push(candela::scene::Instance { name: "quad".into(), mesh: 1, transform });
-                let mut renderer = renderer(device, &scene, SIZE, 1);
+                let mut renderer = renderer(&device, &scene, SIZE, 1);
                 let image = restir(&mut renderer, camera, exact(), 1, 1);
                 // The floor is darker.
                 let seen = luminance(image[pixel_of(place)]) > 0.9 * UNLIT_WHITE;
@@ -236,7 +236,7 @@ fn backs_of_single_sided_surfaces_only_cast_shadows() {
             }
         }
     }
-    assert_no_validation_messages(device);
+    assert_no_validation_messages(&device);
 }
 
 fn direction(cos: f32, phi: f32) -> Vec3 {

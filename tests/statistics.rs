@@ -134,7 +134,7 @@ fn replicas(run: impl FnMut(u32) -> Vec<Vec3>) -> Vec<(f64, f64)> {
 fn reuse_has_the_mean_of_the_reference() {
     let Some(device) = device() else { return };
     let camera = camera(SIZE);
-    let mut renderer = renderer(device, &many_lights(), SIZE, 2);
+    let mut renderer = renderer(&device, &many_lights(), SIZE, 2);
     let truth = replicas(|seed| reference(&mut renderer, camera, 1000 + seed));
     for (name, settings, frames) in cases() {
         let means = replicas(|seed| restir(&mut renderer, camera, settings, frames, seed));
@@ -147,7 +147,7 @@ fn reuse_has_the_mean_of_the_reference() {
             truth[block]
         );
     }
-    assert_no_validation_messages(device);
+    assert_no_validation_messages(&device);
 }
 
 /// Among shadows the unbiased mode has the reference's mean, and the biased mode has not: the same test sees its bias.
@@ -155,7 +155,7 @@ fn reuse_has_the_mean_of_the_reference() {
 fn unbiased_reuse_is_right_among_shadows() {
     let Some(device) = device() else { return };
     let camera = camera(SIZE);
-    let mut renderer = renderer(device, &occluded_lights(), SIZE, 2);
+    let mut renderer = renderer(&device, &occluded_lights(), SIZE, 2);
     let truth = replicas(|seed| reference(&mut renderer, camera, 1000 + seed));
     for (name, settings, frames) in unbiased_cases() {
         let means = replicas(|seed| restir(&mut renderer, camera, settings, frames, seed));
@@ -173,7 +173,7 @@ fn unbiased_reuse_is_right_among_shadows() {
     let means = replicas(|seed| restir(&mut renderer, camera, biased, frames, seed));
     let z = largest_z(&means, &truth).0;
     assert!(z > Z_LIMIT, "the biased mode's bias was not seen: {z}");
-    assert_no_validation_messages(device);
+    assert_no_validation_messages(&device);
 }
 
 #[test]
@@ -182,7 +182,7 @@ fn each_kind_of_light_has_the_mean_of_the_reference() {
     let camera = camera(SIZE);
     let base = Settings { candidates: 8, radius: 8.0, ..Settings::default() };
     for (kind, scene) in kinds() {
-        let mut renderer = renderer(device, &scene, SIZE, 1);
+        let mut renderer = renderer(&device, &scene, SIZE, 1);
         let truth = replicas(|seed| reference(&mut renderer, camera, 1000 + seed));
         for (name, settings, frames) in [
             ("RIS", Settings { temporal: 0, spatial: 0, ..base }, 1),
@@ -195,7 +195,7 @@ fn each_kind_of_light_has_the_mean_of_the_reference() {
             assert!(z < Z_LIMIT, "{kind}, {name}: block {block}: {:?} {:?}", means[block], truth[block]);
         }
     }
-    assert_no_validation_messages(device);
+    assert_no_validation_messages(&device);
 }
 
 /// Negative control: lights whose stored power is 10 % off what they emit shift the mean, and that is seen.
@@ -203,11 +203,11 @@ fn each_kind_of_light_has_the_mean_of_the_reference() {
 fn a_planted_bias_is_seen() {
     let Some(device) = device() else { return };
     let camera = camera(SIZE);
-    let mut truth_renderer = renderer(device, &many_lights(), SIZE, 1);
+    let mut truth_renderer = renderer(&device, &many_lights(), SIZE, 1);
     let truth = replicas(|seed| reference(&mut truth_renderer, camera, 1000 + seed));
     let mut dimmed = many_lights();
     dimmed.point_lights.iter_mut().for_each(|light| light.intensity *= 0.9);
-    let mut renderer = renderer(device, &dimmed, SIZE, 1);
+    let mut renderer = renderer(&device, &dimmed, SIZE, 1);
     let (name, settings, frames) = cases()[2];
     let means = replicas(|seed| restir(&mut renderer, camera, settings, frames, seed));
     assert!(largest_z(&means, &truth).0 > Z_LIMIT, "{name}: 10 % less light was not seen");
@@ -220,7 +220,7 @@ fn pictures_repeat_bit_for_bit() {
     let camera = camera(SIZE);
     let settings = Settings { reservoirs: 2, ..Settings::default() };
     let picture = |seed| {
-        let mut renderer = renderer(device, &many_lights(), SIZE, 2);
+        let mut renderer = renderer(&device, &many_lights(), SIZE, 2);
         restir(&mut renderer, camera, settings, 3, seed)
     };
     let bits = |image: &[Vec3]| image.iter().flat_map(|c| c.to_array().map(f32::to_bits)).collect::<Vec<_>>();

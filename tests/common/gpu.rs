@@ -8,23 +8,42 @@ use candela::vulkan::{Device, DeviceOptions};
 use glam::{UVec2, Vec3};
 use shared::camera::Camera;
 use shared::frame::Settings;
-use std::sync::OnceLock;
+use std::ops::Deref;
+use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
+
+/// The device and the right to use it: one test at a time. Mesa 25.0's lavapipe reallocates the table of its texture
+/// functions when a sampler is made, also while another thread's frame reads it.
+pub struct Gpu {
+    device: &'static Device,
+    _turn: MutexGuard<'static, ()>,
+}
+
+impl Deref for Gpu {
+    type Target = Device;
+
+    fn deref(&self) -> &Device {
+        self.device
+    }
+}
 
 /// The device, under validation unless `CANDELA_NO_VALIDATION=1`; none only where `CANDELA_ALLOW_NO_GPU=1` allows a machine
 /// without one.
-pub fn device() -> Option<&'static Device> {
+pub fn device() -> Option<Gpu> {
     static DEVICE: OnceLock<Option<Device>> = OnceLock::new();
+    static TURN: Mutex<()> = Mutex::new(());
     let validate = std::env::var("CANDELA_NO_VALIDATION").as_deref() != Ok("1");
-    DEVICE
-        .get_or_init(|| match Device::new(&DeviceOptions { validate, ..DeviceOptions::default() }) {
+    // A test that failed in its turn leaves the device to the next one.
+    let turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
+    let device =
+        DEVICE.get_or_init(|| match Device::new(&DeviceOptions { validate, ..DeviceOptions::default() }) {
             Ok(device) => Some(device),
             Err(error) if std::env::var("CANDELA_ALLOW_NO_GPU").as_deref() == Ok("1") => {
                 eprintln!("skipped: {error}");
                 None
             }
             Err(error) => panic!("{error} (CANDELA_ALLOW_NO_GPU=1 skips these tests)"),
-        })
-        .as_ref()
+        });
+    device.as_ref().map(|device| Gpu { device, _turn: turn })
 }
 
 /// Fails on any message of the validation layer.
