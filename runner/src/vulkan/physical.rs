@@ -41,7 +41,11 @@ pub(super) fn choose(
     extensions: &[&CStr],
 ) -> Result<PhysicalDevice> {
     // SAFETY: the instance is alive.
-    let handles = unsafe { instance.enumerate_physical_devices() }.check("list devices")?;
+    let handles = match unsafe { instance.enumerate_physical_devices() } {
+        // The loader's word for: no installed driver found hardware.
+        Err(vk::Result::ERROR_INITIALIZATION_FAILED) => Vec::new(),
+        handles => handles.check("list devices")?,
+    };
     let mut devices = Vec::new();
     for handle in handles {
         devices.push(inspect(instance, handle, extensions)?);
