@@ -84,8 +84,8 @@ fn every_module_has_its_entry_point() {
 /// What a buffer's elements are made of, by its place. One letter a scalar, in memory order.
 fn element(set: u32, binding: u32) -> Option<(&'static str, usize)> {
     use shared::{
-        alias_table::AliasEntry, geometry::*, light::Light, material::Material, reservoir::StoredReservoir,
-        surface::GBufferTexel,
+        alias_table::AliasEntry, geometry::*, light::Light, light::tile::TileEntry, material::Material,
+        reservoir::StoredReservoir, surface::GBufferTexel,
     };
     Some(match (set, binding) {
         (scene::SET, scene::INSTANCES) => ("fffufffufffufffuffffffffffuu", size_of::<InstanceGeometry>()),
@@ -105,6 +105,8 @@ fn element(set: u32, binding: u32) -> Option<(&'static str, usize)> {
         }
         (frame::SET, frame::RADIANCE) => ("fff", 12),
         (frame::SET, frame::DISPLAY) => ("u", 4),
+        (frame::SET, frame::TILE_ENTRIES) => ("fffuuufu", size_of::<TileEntry>()),
+        (frame::SET, frame::TILE_POINTS) => ("u", 4),
         _ => return None,
     })
 }

@@ -7,6 +7,8 @@
 pub mod gbuffer;
 pub mod hit;
 pub mod initial;
+pub mod initial_tiled;
+pub mod presample;
 pub mod reference;
 pub mod shade;
 pub mod spatial;

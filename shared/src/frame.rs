@@ -33,6 +33,9 @@ pub struct Settings {
     pub reservoirs: u32,
     /// One of [`mode`].
     pub mode: u32,
+    /// 1: candidates come from presampled tiles ([`crate::light::tile`]). Faster with many lights; neighboring pixels share
+    /// candidates. No bias.
+    pub tiles: u32,
 }
 
 /// How reused reservoirs are weighted.
@@ -72,6 +75,7 @@ impl Default for Settings {
             confidence_cap: 20.0,
             reservoirs: 1,
             mode: mode::BIASED,
+            tiles: 0,
         }
     }
 }

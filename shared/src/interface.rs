@@ -81,6 +81,8 @@ pub mod frame_binding {
     pub const RESERVOIRS_HISTORY: u32 = 5;
     pub const RADIANCE: u32 = 6;
     pub const DISPLAY: u32 = 7;
+    pub const TILE_ENTRIES: u32 = 8;
+    pub const TILE_POINTS: u32 = 9;
 }
 
 /// Threads of a compute pass's workgroup, in x and y.

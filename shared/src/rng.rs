@@ -14,6 +14,8 @@ pub enum Stream {
     /// Lots that blended surfaces draw, for primary and for final shadow rays.
     Primary = 5,
     Shade = 6,
+    /// Entries of light tiles, and which block takes which tile.
+    Tiles = 7,
 }
 
 /// Random numbers of one pixel in one pass.

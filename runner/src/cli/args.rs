@@ -165,6 +165,11 @@ pub struct KnobArgs {
     /// Largest angle between normals of neighbors, degrees.
     #[arg(long, default_value_t = 25.0, value_parser = positive)]
     pub normal_threshold: f32,
+    /// Draw candidates from presampled light tiles (by default with many lights).
+    #[arg(long, overrides_with = "no_tiles")]
+    pub tiles: bool,
+    #[arg(long, overrides_with = "tiles")]
+    pub no_tiles: bool,
     /// How reused reservoirs are weighted.
     #[arg(long, value_enum, default_value_t = Mode::Biased)]
     pub mode: Mode,
@@ -216,6 +221,7 @@ impl KnobArgs {
                 Mode::Biased => mode::BIASED,
                 Mode::Unbiased => mode::UNBIASED,
             },
+            tiles: self.tiles.into(),
         }
     }
 }

@@ -27,6 +27,8 @@ pub enum Role {
     ReservoirsHistory,
     Radiance,
     Display,
+    TileEntries,
+    TilePoints,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -43,6 +45,8 @@ pub enum Extent {
     Pixels,
     /// One for each reservoir of each pixel.
     Reservoirs,
+    /// One for each entry of the light tiles.
+    Tiles,
 }
 
 /// A pass. Its stem names the shader file, the host file, the entry point, the debug label, the timestamp and the
@@ -62,6 +66,8 @@ pub enum BufferId {
     Reservoirs(usize),
     Radiance,
     Display,
+    TileEntries,
+    TilePoints,
 }
 
 /// A pass at its place in a frame, with its buffers.
@@ -84,6 +90,8 @@ impl Role {
             Role::ReservoirsHistory => frame_binding::RESERVOIRS_HISTORY,
             Role::Radiance => frame_binding::RADIANCE,
             Role::Display => frame_binding::DISPLAY,
+            Role::TileEntries => frame_binding::TILE_ENTRIES,
+            Role::TilePoints => frame_binding::TILE_POINTS,
         }
     }
 }

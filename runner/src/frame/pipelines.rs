@@ -11,6 +11,7 @@ use ash::vk;
 use glam::UVec2;
 use shared::frame::{Settings, features};
 use shared::interface::{PassConstants, WORKGROUP, frame_binding, spec_constant};
+use shared::light::tile::{TILE_SIZE, TILES};
 use std::collections::HashMap;
 use std::ffi::CString;
 
@@ -134,9 +135,10 @@ impl PassPipeline {
         size: UVec2,
         settings: &Settings,
     ) -> Result<()> {
-        let depth = match pass.extent {
-            Extent::Pixels => 1,
-            Extent::Reservoirs => settings.reservoirs,
+        let (size, depth) = match pass.extent {
+            Extent::Pixels => (size, 1),
+            Extent::Reservoirs => (size, settings.reservoirs),
+            Extent::Tiles => (UVec2::new(TILE_SIZE, TILES), 1),
         };
         match self {
             PassPipeline::Compute(pipeline) => {
@@ -151,7 +153,7 @@ impl PassPipeline {
 /// The layout of set 1: constants, then a buffer for each role.
 fn frame_layout(device: &Device) -> Result<SetLayout> {
     let stages = vk::ShaderStageFlags::RAYGEN_KHR | vk::ShaderStageFlags::COMPUTE;
-    const ROLES: [Role; 7] = [
+    const ROLES: [Role; 9] = [
         Role::GBuffer,
         Role::PreviousGBuffer,
         Role::ReservoirsIn,
@@ -159,6 +161,8 @@ fn frame_layout(device: &Device) -> Result<SetLayout> {
         Role::ReservoirsHistory,
         Role::Radiance,
         Role::Display,
+        Role::TileEntries,
+        Role::TilePoints,
     ];
     let mut bindings =
         vec![Binding::one(frame_binding::CONSTANTS, vk::DescriptorType::UNIFORM_BUFFER, stages)];

@@ -2,7 +2,8 @@
 
 use super::pass::{BufferId, Role, Step};
 use super::passes::{
-    gbuffer, initial, reference, shade, spatial, spatial_unbiased, temporal, temporal_unbiased, tonemap,
+    gbuffer, initial, initial_tiled, presample, reference, shade, spatial, spatial_unbiased, temporal,
+    temporal_unbiased, tonemap,
 };
 use shared::frame::{Settings, mode};
 use shared::interface::PassConstants;
@@ -62,7 +63,12 @@ impl Frame {
         } else {
             (&temporal::PASS, &spatial::PASS)
         };
-        self.push(&initial::PASS, PassConstants::default());
+        if settings.tiles != 0 {
+            self.push(&presample::PASS, PassConstants::default());
+            self.push(&initial_tiled::PASS, PassConstants::default());
+        } else {
+            self.push(&initial::PASS, PassConstants::default());
+        }
         if settings.temporal != 0 {
             self.push(temporal, PassConstants::default());
         }
@@ -98,6 +104,8 @@ impl Frame {
             Role::ReservoirsHistory => BufferId::Reservoirs(self.rotation.history),
             Role::Radiance => BufferId::Radiance,
             Role::Display => BufferId::Display,
+            Role::TileEntries => BufferId::TileEntries,
+            Role::TilePoints => BufferId::TilePoints,
         }
     }
 }

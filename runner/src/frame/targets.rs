@@ -5,6 +5,7 @@ use crate::error::Result;
 use crate::vulkan::{Buffer, Device, Memory};
 use ash::vk;
 use glam::{UVec2, Vec3};
+use shared::light::tile::{TILE_SIZE, TILES, TileEntry};
 use shared::reservoir::StoredReservoir;
 use shared::surface::GBufferTexel;
 
@@ -14,6 +15,8 @@ pub struct Targets {
     reservoirs: [Buffer; 3],
     radiance: Buffer,
     display: Buffer,
+    /// Entries and points of the light tiles.
+    tiles: [Buffer; 2],
 }
 
 impl Targets {
@@ -26,11 +29,16 @@ impl Targets {
         };
         let gbuffer = |name| make(name, size_of::<GBufferTexel>(), 1);
         let reservoir = |name| make(name, size_of::<StoredReservoir>(), reservoirs.into());
+        let tile = |name: &str, bytes: usize| {
+            let size = u64::from(TILES * TILE_SIZE) * bytes as u64;
+            Buffer::new(device, name, size, vk::BufferUsageFlags::STORAGE_BUFFER, Memory::Device)
+        };
         Ok(Targets {
             gbuffer: [gbuffer("G-buffer 0")?, gbuffer("G-buffer 1")?],
             reservoirs: [reservoir("reservoirs 0")?, reservoir("reservoirs 1")?, reservoir("reservoirs 2")?],
             radiance: make("radiance", size_of::<Vec3>(), 1)?,
             display: make("display", 4, 1)?,
+            tiles: [tile("tile entries", size_of::<TileEntry>())?, tile("tile points", 4)?],
         })
     }
 
@@ -40,12 +48,19 @@ impl Targets {
             BufferId::Reservoirs(i) => &self.reservoirs[i],
             BufferId::Radiance => &self.radiance,
             BufferId::Display => &self.display,
+            BufferId::TileEntries => &self.tiles[0],
+            BufferId::TilePoints => &self.tiles[1],
         }
     }
 
     /// Device memory, bytes.
     pub fn bytes(&self) -> u64 {
-        let all = self.gbuffer.iter().chain(&self.reservoirs).chain([&self.radiance, &self.display]);
+        let all = self
+            .gbuffer
+            .iter()
+            .chain(&self.reservoirs)
+            .chain([&self.radiance, &self.display])
+            .chain(&self.tiles);
         all.map(Buffer::size).sum()
     }
 }

@@ -3,6 +3,7 @@
 mod table;
 #[cfg(test)]
 mod tests;
+pub mod tile;
 
 #[cfg(not(target_arch = "spirv"))]
 pub use table::build_alias_table;

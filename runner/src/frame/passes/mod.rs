@@ -2,6 +2,8 @@
 
 pub mod gbuffer;
 pub mod initial;
+pub mod initial_tiled;
+pub mod presample;
 pub mod reference;
 pub mod shade;
 pub mod spatial;
@@ -14,9 +16,11 @@ use super::pass::Pass;
 
 /// All passes. A frame takes either the biased or the unbiased pair of reuse passes; `reference` stands in for all from `initial`
 /// to `shade`.
-pub const ALL: [&Pass; 9] = [
+pub const ALL: [&Pass; 11] = [
     &gbuffer::PASS,
     &initial::PASS,
+    &presample::PASS,
+    &initial_tiled::PASS,
     &temporal::PASS,
     &spatial::PASS,
     &temporal_unbiased::PASS,

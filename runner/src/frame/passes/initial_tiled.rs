@@ -1,0 +1,15 @@
+//! Fresh candidates from light tiles: at most one shadow ray a reservoir.
+
+use crate::frame::pass::{Access, Extent, Pass, Rays, Role, Stage};
+
+pub const PASS: Pass = Pass {
+    stem: "initial_tiled",
+    stage: Stage::RayTracing(Rays::Shadow),
+    uses: &[
+        (Role::GBuffer, Access::Read),
+        (Role::ReservoirsOut, Access::Write),
+        (Role::TileEntries, Access::Read),
+        (Role::TilePoints, Access::Read),
+    ],
+    extent: Extent::Reservoirs,
+};
