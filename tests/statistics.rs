@@ -108,6 +108,8 @@ fn cases() -> Vec<(&'static str, Settings, u32)> {
         ("spatial", Settings { spatial: 1, ..base }, 1),
         ("temporal", Settings { temporal: 1, ..base }, 4),
         ("temporal and spatial", Settings { temporal: 1, spatial: 1, ..base }, 4),
+        ("tiles", Settings { tiles: 1, ..base }, 1),
+        ("tiles, temporal and spatial", Settings { tiles: 1, temporal: 1, spatial: 1, ..base }, 4),
     ]
 }
 
@@ -122,6 +124,7 @@ fn unbiased_cases() -> Vec<(&'static str, Settings, u32)> {
         ("unbiased temporal", temporal, 4),
         ("unbiased temporal without visibility reuse", Settings { visibility_reuse: 0, ..temporal }, 4),
         ("unbiased temporal and spatial, two reservoirs", Settings { temporal: 1, reservoirs: 2, ..base }, 4),
+        ("unbiased, tiles", Settings { temporal: 1, tiles: 1, ..base }, 4),
     ]
 }
 
@@ -186,6 +189,7 @@ fn each_kind_of_light_has_the_mean_of_the_reference() {
         let truth = replicas(|seed| reference(&mut renderer, camera, 1000 + seed));
         for (name, settings, frames) in [
             ("RIS", Settings { temporal: 0, spatial: 0, ..base }, 1),
+            ("RIS from tiles", Settings { temporal: 0, spatial: 0, tiles: 1, ..base }, 1),
             ("temporal and spatial", Settings { spatial_iterations: 1, ..base }, 3),
         ] {
             let means = replicas(|seed| restir(&mut renderer, camera, settings, frames, seed));

@@ -165,7 +165,7 @@ pub struct KnobArgs {
     /// Largest angle between normals of neighbors, degrees.
     #[arg(long, default_value_t = 25.0, value_parser = positive)]
     pub normal_threshold: f32,
-    /// Draw candidates from presampled light tiles (by default with many lights).
+    /// Draw candidates from presampled light tiles (by default from 4,096 lights on).
     #[arg(long, overrides_with = "no_tiles")]
     pub tiles: bool,
     #[arg(long, overrides_with = "tiles")]
@@ -174,6 +174,9 @@ pub struct KnobArgs {
     #[arg(long, value_enum, default_value_t = Mode::Biased)]
     pub mode: Mode,
 }
+
+/// Measured on an H100 (docs/performance.md): equal at 500 lights, faster from some thousands on.
+const TILES_FROM: u32 = 4096;
 
 /// Point lights where neither the scene nor the user says how many.
 const DEFAULT_LIGHTS: usize = 500;
@@ -223,6 +226,12 @@ impl KnobArgs {
             },
             tiles: self.tiles.into(),
         }
+    }
+
+    /// The same for a scene of so many lights: tiles pay where the light table outgrows the caches.
+    pub fn settings_for(&self, lights: u32) -> Settings {
+        let many = lights >= TILES_FROM && !self.no_tiles;
+        Settings { tiles: (self.tiles || many).into(), ..self.settings() }
     }
 }
 
