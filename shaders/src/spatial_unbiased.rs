@@ -1,4 +1,4 @@
-//! Pass 4 in unbiased mode, repeated: merges the reservoirs of neighboring pixels, with up to one shadow ray from each neighbor to the
+//! Pass 4 in unbiased mode, repeated: merges the reservoirs of neighboring pixels, with up to one shadow ray from a neighbor to the
 //! canonical sample and one from this pixel to the survivor.
 
 use crate::trace::trace_shadow;
@@ -41,19 +41,10 @@ pub fn spatial_unbiased(
     let repetition = lane + frame.settings.reservoirs * constants.iteration;
     let mut rng = Rng::new(pixel, frame.index, frame.seed, Stream::Spatial, repetition);
     let asks = frame.settings.visibility_is_known();
-    let mut merge = spatial::begin(frame, lights, &surface, pixels, pixel, lane, rng);
-    let mut neighbor = 0;
-    while neighbor < frame.settings.neighbors {
-        let (proposal, u) = spatial::propose(frame, lights, &surface, pixels, pixel, lane, &mut rng);
-        if let Some(proposal) = proposal {
-            let visible = !asks
-                || proposal.is_dark()
-                || trace_shadow(tlas, features, proposal.ray, SURE_HITS_ONLY, payload);
-            spatial::accept(&mut merge, proposal, visible, u);
-        }
-        neighbor += 1;
-    }
-    let proposal = spatial::finish(&surface, lights, merge, &mut rng);
+    let proposal = spatial::propose(frame, lights, &surface, pixels, pixel, lane, &mut rng);
+    let visible =
+        !asks || proposal.is_certain() || trace_shadow(tlas, features, proposal.ray, SURE_HITS_ONLY, payload);
+    let proposal = spatial::accept(&surface, lights, proposal, visible, &mut rng);
     let visible =
         !asks || proposal.is_dark() || trace_shadow(tlas, features, proposal.ray, SURE_HITS_ONLY, payload);
     merged[index] = initial::accept(proposal, visible);

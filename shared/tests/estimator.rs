@@ -209,15 +209,9 @@ fn reuse_neighbors(
         return spatial::biased(frame, lights, surface, pixels, pixel, lane, &mut rng);
     }
     let blind = !frame.settings.visibility_is_known();
-    let mut merge = spatial::begin(frame, lights, surface, pixels, pixel, lane, rng);
-    for _ in 0..frame.settings.neighbors {
-        let (proposal, u) = spatial::propose(frame, lights, surface, pixels, pixel, lane, &mut rng);
-        if let Some(proposal) = proposal {
-            let visible = blind || scene.deaf || scene.trace(proposal.ray);
-            spatial::accept(&mut merge, proposal, visible, u);
-        }
-    }
-    let merged = spatial::finish(surface, lights, merge, &mut rng);
+    let proposal = spatial::propose(frame, lights, surface, pixels, pixel, lane, &mut rng);
+    let visible = blind || proposal.is_certain() || scene.deaf || scene.trace(proposal.ray);
+    let merged = spatial::accept(surface, lights, proposal, visible, &mut rng);
     initial::accept(merged, blind || scene.trace(merged.ray))
 }
 

@@ -67,6 +67,19 @@ impl Pairwise {
         self.canonical_mis += share * safe_ratio(here, there + here);
     }
 
+    /// What the canonical survivor's MIS weight gains if the pixel of a reservoir with this `confidence`, just added with target
+    /// p̂_i(y_0) = `canonical_at_neighbor` > 0, does not see it.
+    pub fn doubt(&self, confidence: f32, canonical_at_neighbor: f32) -> f32 {
+        let there = self.others * canonical_at_neighbor;
+        let here = self.canonical.confidence * self.canonical_target;
+        safe_ratio(confidence, self.total) * safe_ratio(there, there + here)
+    }
+
+    /// Adds such a gain.
+    pub fn resolve(&mut self, doubt: f32) {
+        self.canonical_mis += doubt;
+    }
+
     /// Adds the canonical survivor, whose weight is known only now. `u` in [0, 1).
     pub fn finish(mut self, u: f32) -> StoredReservoir {
         let weight = self.canonical_mis * self.canonical_target * self.canonical.contribution_weight;
@@ -108,6 +121,25 @@ mod tests {
                 assert_eq!(merged.confidence, confidences.iter().sum::<f32>());
             }
         }
+    }
+
+    /// A doubt resolved is a target that was 0 from the start.
+    #[test]
+    fn resolved_doubts_are_zero_targets() {
+        let begin = || Pairwise::new(stored(0, 1.0, 3.0), 2.0, 9.0);
+        let cross = |canonical_at_neighbor| CrossTargets {
+            neighbor_at_canonical: 0.7,
+            neighbor_at_neighbor: 1.3,
+            canonical_at_neighbor,
+        };
+        let (mut doubted, mut exact) = (begin(), begin());
+        doubted.add(stored(1, 0.5, 9.0), cross(5.0), 0.5);
+        let doubt = doubted.doubt(9.0, 5.0);
+        assert!(doubt > 0.1);
+        doubted.resolve(doubt);
+        exact.add(stored(1, 0.5, 9.0), cross(0.0), 0.5);
+        let (a, b) = (doubted.finish(0.5), exact.finish(0.5));
+        assert!((a.contribution_weight - b.contribution_weight).abs() < 1e-6, "{a:?} {b:?}");
     }
 
     /// A neighbor that is certain of a light which is nearly black to it can't become a firefly: its weight is bounded
