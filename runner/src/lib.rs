@@ -8,5 +8,6 @@ pub mod gpu_scene;
 pub mod image_io;
 pub mod measure;
 pub mod scene;
+pub mod settings_file;
 pub mod shader_library;
 pub mod vulkan;

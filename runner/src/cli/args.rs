@@ -2,10 +2,11 @@
 
 use crate::error::{Error, Result};
 use crate::scene::{EnvironmentSource, SceneSource};
+use crate::settings_file::{CANDIDATES, ITERATIONS, Mode, NEIGHBORS, RESERVOIRS, SettingsFile, Tiles};
 use crate::vulkan::DeviceOptions;
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{Args, Parser, Subcommand};
 use glam::UVec2;
-use shared::frame::{Settings, mode};
+use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
 /// Direct lighting from thousands to millions of lights: ReSTIR DI on Vulkan ray tracing, every shader in Rust.
@@ -115,35 +116,24 @@ pub struct InfoArgs {
     pub scene: SceneArgs,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Mode {
-    /// 1/M weights (Bitterli et al. 2020, Alg. 4): fast, darkens where neighbors disagree.
-    Biased,
-    /// Pairwise MIS with the neighbors' visibility: the right mean, more rays.
-    Unbiased,
-}
-
-/// Every knob of the estimator; see `shared::frame::Settings`.
-#[derive(Args, Clone, Debug)]
+/// Every knob of the estimator: of `--settings`, changed by what else is said. See [`SettingsFile`].
+#[derive(Args, Clone, Debug, Default)]
 pub struct KnobArgs {
-    /// Light candidates a reservoir: more is less noise and more time.
-    #[arg(long, default_value_t = Settings::default().candidates, value_parser = clap::value_parser!(u32).range(1..=1024))]
-    pub candidates: u32,
-    /// Neighbors of each spatial pass.
-    #[arg(long, default_value_t = Settings::default().neighbors, value_parser = clap::value_parser!(u32).range(1..=32))]
-    pub neighbors: u32,
-    /// Spatial passes.
-    #[arg(long, default_value_t = Settings::default().spatial_iterations, value_parser = clap::value_parser!(u32).range(1..=8))]
-    pub iterations: u32,
-    /// Radius of the neighborhood, pixels.
-    #[arg(long, default_value_t = Settings::default().radius, value_parser = positive)]
-    pub radius: f32,
-    /// Reservoirs a pixel.
-    #[arg(long, default_value_t = Settings::default().reservoirs, value_parser = clap::value_parser!(u32).range(1..=4))]
-    pub reservoirs: u32,
-    /// A history weighs at most this many times the new candidates.
-    #[arg(long, default_value_t = Settings::default().confidence_cap, value_parser = positive)]
-    pub confidence_cap: f32,
+    /// A JSON document of knobs; the options below change single ones.
+    #[arg(long, value_name = "FILE")]
+    pub settings: Option<PathBuf>,
+    #[arg(long, value_parser = count(&CANDIDATES), help = knob("Light candidates a reservoir: more is less noise and more time", |d| d.candidates))]
+    pub candidates: Option<u32>,
+    #[arg(long, value_parser = count(&NEIGHBORS), help = knob("Neighbors of each spatial pass", |d| d.neighbors))]
+    pub neighbors: Option<u32>,
+    #[arg(long, value_parser = count(&ITERATIONS), help = knob("Spatial passes", |d| d.iterations))]
+    pub iterations: Option<u32>,
+    #[arg(long, value_parser = positive, help = knob("Radius of the neighborhood, pixels", |d| d.radius))]
+    pub radius: Option<f32>,
+    #[arg(long, value_parser = count(&RESERVOIRS), help = knob("Reservoirs a pixel", |d| d.reservoirs))]
+    pub reservoirs: Option<u32>,
+    #[arg(long, value_parser = positive, help = knob("A history weighs at most this many times the new candidates", |d| d.confidence_cap))]
+    pub confidence_cap: Option<f32>,
     /// Reuse the previous frame (on by default).
     #[arg(long, overrides_with = "no_temporal")]
     pub temporal: bool,
@@ -159,24 +149,19 @@ pub struct KnobArgs {
     pub visibility: bool,
     #[arg(long, overrides_with = "visibility")]
     pub no_visibility: bool,
-    /// Largest difference in distance between neighbors, as a fraction.
-    #[arg(long, default_value_t = Settings::default().depth_threshold, value_parser = positive)]
-    pub depth_threshold: f32,
-    /// Largest angle between normals of neighbors, degrees.
-    #[arg(long, default_value_t = 25.0, value_parser = positive)]
-    pub normal_threshold: f32,
+    #[arg(long, value_parser = positive, help = knob("Largest difference in distance between neighbors, as a fraction", |d| d.depth_threshold))]
+    pub depth_threshold: Option<f32>,
+    #[arg(long, value_parser = positive, help = knob("Largest angle between normals of neighbors, degrees", |d| d.normal_threshold))]
+    pub normal_threshold: Option<f32>,
     /// Draw candidates from presampled light tiles (by default from 4,096 lights on).
     #[arg(long, overrides_with = "no_tiles")]
     pub tiles: bool,
     #[arg(long, overrides_with = "tiles")]
     pub no_tiles: bool,
-    /// How reused reservoirs are weighted.
-    #[arg(long, value_enum, default_value_t = Mode::Biased)]
-    pub mode: Mode,
+    /// How reused reservoirs are weighted [default: biased].
+    #[arg(long, value_enum)]
+    pub mode: Option<Mode>,
 }
-
-/// Measured on an H100 (docs/performance.md): equal at 500 lights, faster from some thousands on.
-const TILES_FROM: u32 = 4096;
 
 /// Point lights where neither the scene nor the user says how many.
 const DEFAULT_LIGHTS: usize = 500;
@@ -207,32 +192,42 @@ impl DeviceArgs {
 }
 
 impl KnobArgs {
-    pub fn settings(&self) -> Settings {
-        Settings {
-            candidates: self.candidates,
-            visibility_reuse: (!self.no_visibility).into(),
-            temporal: (!self.no_temporal).into(),
-            spatial: (!self.no_spatial).into(),
-            spatial_iterations: self.iterations,
-            neighbors: self.neighbors,
-            radius: self.radius,
-            depth_threshold: self.depth_threshold,
-            normal_threshold: self.normal_threshold.to_radians().cos(),
-            confidence_cap: self.confidence_cap,
-            reservoirs: self.reservoirs,
-            mode: match self.mode {
-                Mode::Biased => mode::BIASED,
-                Mode::Unbiased => mode::UNBIASED,
+    /// The settings file, or the defaults, with the changes of the command line.
+    pub fn document(&self) -> Result<SettingsFile> {
+        let file = self.settings.as_deref().map(SettingsFile::read).transpose()?.unwrap_or_default();
+        let switch = |on: bool, off: bool, default: bool| (default || on) && !off;
+        let document = SettingsFile {
+            mode: self.mode.unwrap_or(file.mode),
+            candidates: self.candidates.unwrap_or(file.candidates),
+            visibility: switch(self.visibility, self.no_visibility, file.visibility),
+            temporal: switch(self.temporal, self.no_temporal, file.temporal),
+            spatial: switch(self.spatial, self.no_spatial, file.spatial),
+            iterations: self.iterations.unwrap_or(file.iterations),
+            neighbors: self.neighbors.unwrap_or(file.neighbors),
+            radius: self.radius.unwrap_or(file.radius),
+            reservoirs: self.reservoirs.unwrap_or(file.reservoirs),
+            confidence_cap: self.confidence_cap.unwrap_or(file.confidence_cap),
+            depth_threshold: self.depth_threshold.unwrap_or(file.depth_threshold),
+            normal_threshold: self.normal_threshold.map_or(file.normal_threshold, f64::from),
+            tiles: match (self.tiles, self.no_tiles) {
+                (true, _) => Tiles::On,
+                (_, true) => Tiles::Off,
+                _ => file.tiles,
             },
-            tiles: self.tiles.into(),
-        }
+        };
+        document.check().map_err(Error::Usage)?;
+        Ok(document)
     }
+}
 
-    /// The same for a scene of so many lights: tiles pay where the light table outgrows the caches.
-    pub fn settings_for(&self, lights: u32) -> Settings {
-        let many = lights >= TILES_FROM && !self.no_tiles;
-        Settings { tiles: (self.tiles || many).into(), ..self.settings() }
-    }
+/// Parser of a count in `range`.
+fn count(range: &RangeInclusive<u32>) -> clap::builder::RangedI64ValueParser<u32> {
+    clap::value_parser!(u32).range(i64::from(*range.start())..=i64::from(*range.end()))
+}
+
+/// A knob's help with its default.
+fn knob<T: std::fmt::Display>(help: &str, default: impl Fn(&SettingsFile) -> T) -> String {
+    format!("{help} [default: {}]", default(&SettingsFile::default()))
 }
 
 fn parse_size(text: &str) -> Result<UVec2, String> {
@@ -277,13 +272,28 @@ mod tests {
     }
 
     #[test]
-    fn defaults_are_the_settings_defaults() {
-        let settings = render("-o a.png").unwrap().knobs.settings();
-        assert!((settings.normal_threshold - Settings::default().normal_threshold).abs() < 1e-3);
-        assert_eq!(
-            Settings { normal_threshold: 0.0, ..settings },
-            Settings { normal_threshold: 0.0, ..Settings::default() }
-        );
+    fn defaults_are_the_documents_defaults() {
+        let document = render("-o a.png").unwrap().knobs.document().unwrap();
+        assert_eq!(document, SettingsFile::default());
+    }
+
+    /// Whatever the file says, the command line has the last word; what it does not mention stays.
+    #[test]
+    fn the_command_line_overrides_the_file() {
+        let path = std::env::temp_dir().join(format!("candela-knobs-{}.json", std::process::id()));
+        std::fs::write(&path, r#"{"candidates": 5, "temporal": false, "neighbors": 7, "tiles": "on"}"#)
+            .unwrap();
+        let line = |rest: &str| format!("-o a.png --settings {} {rest}", path.display()).trim().to_owned();
+        let document = |rest: &str| render(&line(rest)).unwrap().knobs.document();
+        let file = document("").unwrap();
+        assert_eq!((file.candidates, file.temporal, file.neighbors, file.tiles), (5, false, 7, Tiles::On));
+        let changed = document("--candidates 6 --temporal --no-tiles").unwrap();
+        let expected = SettingsFile { candidates: 6, temporal: true, tiles: Tiles::Off, ..file };
+        assert_eq!(changed, expected);
+        std::fs::write(&path, r#"{"candidates": 5000}"#).unwrap();
+        let error = document("").unwrap_err().to_string();
+        assert!(error.contains("candela-knobs") && error.contains("1..=1024"), "{error}");
+        std::fs::remove_file(&path).unwrap();
     }
 
     #[test]
@@ -291,7 +301,7 @@ mod tests {
         let line = "a.glb 7 -o a.png --size 64x48 --candidates 8 --neighbors 3 --iterations 1 --radius 10 --reservoirs 2 \
                     --no-temporal --no-spatial --spatial --no-visibility --depth-threshold 0.2 --normal-threshold 60";
         let args = render(&line.split_whitespace().collect::<Vec<_>>().join(" ")).unwrap();
-        let s = args.knobs.settings();
+        let s = args.knobs.document().unwrap().settings(7);
         assert_eq!((s.candidates, s.neighbors, s.spatial_iterations, s.reservoirs), (8, 3, 1, 2));
         assert_eq!((s.temporal, s.spatial, s.visibility_reuse), (0, 1, 0));
         assert_eq!((s.radius, s.depth_threshold), (10.0, 0.2));

@@ -13,11 +13,12 @@ use glam::Vec3;
 
 pub fn run(args: &RenderArgs) -> Result<()> {
     let format = crate::image_io::check_writable(&args.picture.output)?;
+    let knobs = args.knobs.document()?;
     let scene = view::load_scene(&args.scene)?;
     let camera = view::camera(&scene, &args.picture)?;
     let device = Device::new(&args.device.options())?;
     let gpu_scene = GpuScene::new(&device, &scene)?;
-    let settings = args.knobs.settings_for(gpu_scene.light_count());
+    let settings = knobs.settings(gpu_scene.light_count());
     let size = args.picture.size;
     let mut renderer = Renderer::new(&device, gpu_scene, size, settings.reservoirs)?;
     let options = FrameOptions {
