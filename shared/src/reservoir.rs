@@ -57,8 +57,7 @@ impl Reservoir {
     /// Shows the reservoir the survivor of `other`, whose target function at *this* pixel is `target`:
     /// w = p̂(y) W M (Bitterli et al. 2020, Alg. 4).
     pub fn merge(&mut self, other: StoredReservoir, target: f32, u: f32) -> bool {
-        let weight = target * other.contribution_weight * other.confidence;
-        self.add(other.sample, target, weight, other.confidence, u)
+        self.add(other.sample, target, other.merged_weight(target), other.confidence, u)
     }
 
     /// W = Σw / (`normalization` p̂(y)). With normalization M it is RIS with uniform MIS weights (eq. 6).
@@ -75,6 +74,11 @@ impl StoredReservoir {
     /// Visibility reuse: an occluded survivor contributes nothing, here and wherever it would be reused.
     pub fn occluded(self) -> Self {
         StoredReservoir { contribution_weight: 0.0, ..self }
+    }
+
+    /// p̂(y) W M, what it weighs in a merge at a pixel where its target is `target`.
+    pub fn merged_weight(&self, target: f32) -> f32 {
+        target * self.contribution_weight * self.confidence
     }
 
     /// The same reservoir standing for at most `cap` candidates.

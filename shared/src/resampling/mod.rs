@@ -31,12 +31,20 @@ pub fn reservoir_index(frame: &FrameConstants, pixel: UVec2, lane: u32) -> u32 {
 /// Bitterli et al. 2020, section 5.
 fn is_similar(settings: &Settings, distance: f32, normal: Vec3, texel: &GBufferTexel) -> bool {
     !texel.is_empty()
-        && (texel.distance() - distance).abs() <= settings.depth_threshold * distance
-        && texel.normal().dot(normal) >= settings.normal_threshold
+        && is_similar_distance(settings, distance, texel)
+        && is_similar_normal(settings, normal, texel)
+}
+
+pub fn is_similar_distance(settings: &Settings, distance: f32, texel: &GBufferTexel) -> bool {
+    (texel.distance() - distance).abs() <= settings.depth_threshold * distance
+}
+
+pub fn is_similar_normal(settings: &Settings, normal: Vec3, texel: &GBufferTexel) -> bool {
+    texel.normal().dot(normal) >= settings.normal_threshold
 }
 
 /// p̂ of a reservoir's survivor at `surface`; 0 for a reservoir without one.
-fn target_of(surface: &Surface, lights: LightTable<'_>, reservoir: StoredReservoir) -> f32 {
+pub fn target_of(surface: &Surface, lights: LightTable<'_>, reservoir: StoredReservoir) -> f32 {
     if reservoir.contribution_weight <= 0.0 {
         return 0.0;
     }
@@ -54,7 +62,7 @@ pub struct CrossProposal {
 
 impl CrossProposal {
     /// Reservoir `neighbor` of a pixel that sees `there`, against `canonical` of one that sees `here`.
-    fn new(
+    pub fn new(
         lights: LightTable<'_>,
         here: &Surface,
         canonical: StoredReservoir,
@@ -80,7 +88,7 @@ impl CrossProposal {
     }
 
     /// The targets once the ray has answered.
-    fn seen(self, visible: bool) -> CrossTargets {
+    pub fn seen(self, visible: bool) -> CrossTargets {
         let canonical_at_neighbor = if visible { self.targets.canonical_at_neighbor } else { 0.0 };
         CrossTargets { canonical_at_neighbor, ..self.targets }
     }

@@ -39,6 +39,17 @@ pub struct CrossTargets {
     pub canonical_at_neighbor: f32,
 }
 
+/// What became of a reservoir in a merge.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Weighed {
+    /// m
+    pub mis_weight: f32,
+    /// w = m p̂_0(y) W
+    pub weight: f32,
+    /// It is the survivor, for now.
+    pub survives: bool,
+}
+
 impl Pairwise {
     /// `others`: S, the confidences of all reservoirs that will be added.
     pub fn new(canonical: StoredReservoir, canonical_target: f32, others: f32) -> Self {
@@ -54,17 +65,19 @@ impl Pairwise {
     }
 
     /// Adds the survivor of another pixel. `u` in [0, 1).
-    pub fn add(&mut self, neighbor: StoredReservoir, targets: CrossTargets, u: f32) {
+    pub fn add(&mut self, neighbor: StoredReservoir, targets: CrossTargets, u: f32) -> Weighed {
         let share = safe_ratio(neighbor.confidence, self.total);
         let there = self.others * targets.neighbor_at_neighbor;
         let here = self.canonical.confidence * targets.neighbor_at_canonical;
         let mis_weight = share * safe_ratio(there, there + here);
         let weight = mis_weight * targets.neighbor_at_canonical * neighbor.contribution_weight;
-        self.merged.add(neighbor.sample, targets.neighbor_at_canonical, weight, neighbor.confidence, u);
+        let target = targets.neighbor_at_canonical;
+        let survives = self.merged.add(neighbor.sample, target, weight, neighbor.confidence, u);
 
         let there = self.others * targets.canonical_at_neighbor;
         let here = self.canonical.confidence * self.canonical_target;
         self.canonical_mis += share * safe_ratio(here, there + here);
+        Weighed { mis_weight, weight, survives }
     }
 
     /// What the canonical survivor's MIS weight gains if the pixel of a reservoir with this `confidence`, just added with target
@@ -81,9 +94,21 @@ impl Pairwise {
     }
 
     /// Adds the canonical survivor, whose weight is known only now. `u` in [0, 1).
+    pub fn add_canonical(&mut self, u: f32) -> Weighed {
+        let Pairwise { canonical, canonical_target: target, canonical_mis: mis_weight, .. } = *self;
+        let weight = mis_weight * target * canonical.contribution_weight;
+        let survives = self.merged.add(canonical.sample, target, weight, canonical.confidence, u);
+        Weighed { mis_weight, weight, survives }
+    }
+
+    /// All that was added.
+    pub fn merged(&self) -> Reservoir {
+        self.merged
+    }
+
+    /// Ends with the canonical survivor. `u` in [0, 1).
     pub fn finish(mut self, u: f32) -> StoredReservoir {
-        let weight = self.canonical_mis * self.canonical_target * self.canonical.contribution_weight;
-        self.merged.add(self.canonical.sample, self.canonical_target, weight, self.canonical.confidence, u);
+        self.add_canonical(u);
         self.merged.finish(1.0)
     }
 }

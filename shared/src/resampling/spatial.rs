@@ -1,6 +1,6 @@
 //! Merges the reservoirs of neighboring pixels.
 
-use super::pairwise::Pairwise;
+use super::pairwise::{Pairwise, Weighed};
 use super::{CrossProposal, Pixels, initial, is_similar, reservoir_index, target_of};
 use crate::frame::FrameConstants;
 use crate::light::LightTable;
@@ -20,8 +20,15 @@ fn neighbor_of(pixel: UVec2, size: UVec2, radius: f32, random: Vec2) -> Option<U
     if inside && place != pixel.as_ivec2() { Some(place.as_uvec2()) } else { None }
 }
 
-/// The next similar neighbor of `pixel`, if this draw finds one; the G-buffer alone decides. And two numbers in [0, 1) to
-/// merge it with.
+/// The next neighbor of `pixel`, whatever it sees, if this draw lies in the image; and two numbers in [0, 1) to merge it with.
+pub fn draw_neighbor(frame: &FrameConstants, pixel: UVec2, rng: &mut Rng) -> (Option<UVec2>, [f32; 2]) {
+    let random = rng.next_u32x4();
+    let at = Vec2::new(unit_f32(random.x), unit_f32(random.y));
+    let place = neighbor_of(pixel, frame.size, frame.settings.radius, at);
+    (place, [unit_f32(random.z), unit_f32(random.w)])
+}
+
+/// The next neighbor if it is similar: the G-buffer alone decides.
 fn next_neighbor(
     frame: &FrameConstants,
     surface: &Surface,
@@ -29,13 +36,12 @@ fn next_neighbor(
     pixel: UVec2,
     rng: &mut Rng,
 ) -> (Option<UVec2>, [f32; 2]) {
-    let random = rng.next_u32x4();
-    let at = Vec2::new(unit_f32(random.x), unit_f32(random.y));
-    let place = neighbor_of(pixel, frame.size, frame.settings.radius, at).filter(|&place| {
+    let (place, numbers) = draw_neighbor(frame, pixel, rng);
+    let similar = place.filter(|&place| {
         let texel = pixels.gbuffer[frame.pixel_index(place) as usize];
         is_similar(&frame.settings, surface.distance, surface.normal, &texel)
     });
-    (place, [unit_f32(random.z), unit_f32(random.w)])
+    (similar, numbers)
 }
 
 /// Biased spatial reuse, 1/M (Bitterli et al. 2020, Alg. 4): the reservoir of `pixel` merged with those of
@@ -67,15 +73,69 @@ pub fn biased(
 pub struct Proposal {
     merge: Pairwise,
     /// Σ of what the canonical weight gains by each neighbor that does not see its sample.
-    doubt: f32,
+    pub doubt: f32,
+    /// From the neighbor that answers for all.
     pub ray: ShadowRay,
 }
 
 impl Proposal {
+    /// Of one reservoir, before its neighbors are added. `others`: their confidences.
+    pub fn new(surface: &Surface, lights: LightTable<'_>, canonical: StoredReservoir, others: f32) -> Self {
+        let merge = Pairwise::new(canonical, target_of(surface, lights, canonical), others);
+        Proposal { merge, doubt: 0.0, ray: ShadowRay::default() }
+    }
+
+    /// Adds a neighbor. `u` in [0, 1) decides over its survival, `lot` in [0, 1) whether it answers for all so far.
+    pub fn add(&mut self, cross: CrossProposal, u: f32, lot: f32) -> Added {
+        let weighed = self.merge.add(cross.neighbor, cross.targets, u);
+        let doubt = self.merge.doubt(cross.neighbor.confidence, cross.targets.canonical_at_neighbor);
+        self.doubt += doubt;
+        let asked = lot * self.doubt < doubt;
+        if asked {
+            self.ray = cross.ray;
+        }
+        Added { weighed, doubt, asked }
+    }
+
+    /// The merge once the ray has answered.
+    pub fn resolved(&self, visible: bool) -> Pairwise {
+        let mut merge = self.merge;
+        if !visible {
+            merge.resolve(self.doubt);
+        }
+        merge
+    }
+
     /// No ray is worth tracing for nothing.
     pub fn is_certain(&self) -> bool {
         self.doubt == 0.0
     }
+}
+
+/// What became of a neighbor.
+#[derive(Clone, Copy, Debug)]
+pub struct Added {
+    pub weighed: Weighed,
+    /// What the canonical weight gains if this neighbor does not see the canonical sample.
+    pub doubt: f32,
+    /// It answers for all, for now.
+    pub asked: bool,
+}
+
+/// `place` seen from `surface`, the reservoir of one against `canonical` of the other.
+pub fn cross(
+    frame: &FrameConstants,
+    lights: LightTable<'_>,
+    surface: &Surface,
+    canonical: StoredReservoir,
+    pixels: Pixels<'_>,
+    place: UVec2,
+    lane: u32,
+) -> CrossProposal {
+    let neighbor = pixels.reservoirs[reservoir_index(frame, place, lane) as usize];
+    let texel = pixels.gbuffer[frame.pixel_index(place) as usize];
+    let there = texel.unpack(&frame.camera, place, frame.size);
+    CrossProposal::new(lights, surface, canonical, &there, neighbor)
 }
 
 /// Unbiased spatial reuse begins: the reservoir of `pixel` merged with those of `neighbors` similar surfaces by pairwise
@@ -93,24 +153,14 @@ pub fn propose(
 ) -> Proposal {
     let canonical = pixels.reservoirs[reservoir_index(frame, pixel, lane) as usize];
     let others = confidence_of_neighbors(frame, surface, pixels, pixel, lane, *rng);
-    let mut merge = Pairwise::new(canonical, target_of(surface, lights, canonical), others);
-    let (mut doubt, mut ray) = (0.0, ShadowRay::default());
+    let mut proposal = Proposal::new(surface, lights, canonical, others);
     for _ in 0..frame.settings.neighbors {
         let (place, [u, lot]) = next_neighbor(frame, surface, pixels, pixel, rng);
         if let Some(place) = place {
-            let neighbor = pixels.reservoirs[reservoir_index(frame, place, lane) as usize];
-            let texel = pixels.gbuffer[frame.pixel_index(place) as usize];
-            let there = texel.unpack(&frame.camera, place, frame.size);
-            let cross = CrossProposal::new(lights, surface, canonical, &there, neighbor);
-            merge.add(neighbor, cross.targets, u);
-            let doubted = merge.doubt(neighbor.confidence, cross.targets.canonical_at_neighbor);
-            doubt += doubted;
-            if lot * doubt < doubted {
-                ray = cross.ray;
-            }
+            proposal.add(cross(frame, lights, surface, canonical, pixels, place, lane), u, lot);
         }
     }
-    Proposal { merge, doubt, ray }
+    proposal
 }
 
 /// Ends once the ray has answered. The survivor's own visibility is still to be asked.
@@ -121,15 +171,11 @@ pub fn accept(
     visible: bool,
     rng: &mut Rng,
 ) -> initial::Proposal {
-    let mut merge = proposal.merge;
-    if !visible {
-        merge.resolve(proposal.doubt);
-    }
-    initial::Proposal::new(surface, lights, merge.finish(rng.next_f32()))
+    initial::Proposal::new(surface, lights, proposal.resolved(visible).finish(rng.next_f32()))
 }
 
 /// S of [`Pairwise`]. The numbers in `rng` choose the neighbors here, and again where they are merged.
-fn confidence_of_neighbors(
+pub fn confidence_of_neighbors(
     frame: &FrameConstants,
     surface: &Surface,
     pixels: Pixels<'_>,

@@ -6,33 +6,57 @@ use crate::frame::FrameConstants;
 use crate::light::LightTable;
 use crate::reservoir::{Reservoir, StoredReservoir};
 use crate::rng::{Rng, unit_f32};
-use crate::surface::Surface;
+use crate::surface::{GBufferTexel, Surface};
 use glam::{UVec2, Vec2};
 
-/// The pixel of the previous frame that saw `surface`, or none.
+/// Where `surface` was seen in the previous frame.
+#[derive(Clone, Copy, Debug)]
+pub struct Place {
+    pub pixel: UVec2,
+    /// Of the surface to the previous camera, m.
+    pub distance: f32,
+}
+
+/// The pixel of the previous frame that `surface` fell into; none outside the image, and in the first frame.
 ///
 /// Positions are subtracted camera from camera first: near numbers, whatever the distance from the origin.
-pub fn reproject(frame: &FrameConstants, surface: &Surface, previous_gbuffer: Pixels<'_>) -> Option<UVec2> {
+pub fn previous_place(frame: &FrameConstants, surface: &Surface) -> Option<Place> {
     let relative = (frame.camera.position - frame.previous_camera.position) - surface.wo * surface.distance;
     let place = frame.previous_camera.project(relative, frame.size);
     let inside = place.cmpge(Vec2::ZERO).all() && place.cmplt(frame.size.as_vec2()).all();
     if frame.index == 0 || !inside {
         return None;
     }
-    let pixel = place.as_uvec2().min(frame.size - 1);
-    let texel = previous_gbuffer.gbuffer[frame.pixel_index(pixel) as usize];
-    let same = is_similar(&frame.settings, relative.length(), surface.normal, &texel)
-        && same_albedo(surface, texel.diffuse());
-    if same { Some(pixel) } else { None }
+    Some(Place { pixel: place.as_uvec2().min(frame.size - 1), distance: relative.length() })
+}
+
+/// The pixel of the previous frame that saw `surface`, or none.
+pub fn reproject(frame: &FrameConstants, surface: &Surface, previous_gbuffer: Pixels<'_>) -> Option<UVec2> {
+    let place = previous_place(frame, surface)?;
+    let texel = previous_gbuffer.gbuffer[frame.pixel_index(place.pixel) as usize];
+    let same = is_similar(&frame.settings, place.distance, surface.normal, &texel)
+        && is_similar_albedo(surface, &texel);
+    if same { Some(place.pixel) } else { None }
 }
 
 /// Another material is another target function: its history is of little use. 0.25: a visibly different color.
-fn same_albedo(surface: &Surface, previous: glam::Vec3) -> bool {
-    (surface.reflectance.diffuse - previous).abs().max_element() <= 0.25
+pub fn is_similar_albedo(surface: &Surface, previous: &GBufferTexel) -> bool {
+    (surface.reflectance.diffuse - previous.diffuse()).abs().max_element() <= 0.25
 }
 
-/// Biased temporal reuse, 1/M (Bitterli et al. 2020, Alg. 4): `current` merged with the history of its surface, the
-/// latter capped at `confidence_cap` times the former.
+/// What `pixel` of the previous frame ended with, at most `confidence_cap` times as confident as `current`.
+pub fn capped_history(
+    frame: &FrameConstants,
+    current: StoredReservoir,
+    previous: Pixels<'_>,
+    pixel: UVec2,
+    lane: u32,
+) -> StoredReservoir {
+    previous.reservoirs[reservoir_index(frame, pixel, lane) as usize]
+        .capped(frame.settings.confidence_cap * current.confidence)
+}
+
+/// Biased temporal reuse, 1/M (Bitterli et al. 2020, Alg. 4): `current` merged with the history of its surface.
 pub fn biased(
     frame: &FrameConstants,
     lights: LightTable<'_>,
@@ -45,8 +69,7 @@ pub fn biased(
     let Some(pixel) = reproject(frame, surface, previous) else {
         return current;
     };
-    let history = previous.reservoirs[reservoir_index(frame, pixel, lane) as usize]
-        .capped(frame.settings.confidence_cap * current.confidence);
+    let history = capped_history(frame, current, previous, pixel, lane);
     let random = rng.next_u32x4();
     let mut merged = Reservoir::default();
     merged.merge(current, target_of(surface, lights, current), unit_f32(random.x));
@@ -65,8 +88,7 @@ pub fn propose(
     lane: u32,
 ) -> Option<CrossProposal> {
     let pixel = reproject(frame, surface, previous)?;
-    let history = previous.reservoirs[reservoir_index(frame, pixel, lane) as usize]
-        .capped(frame.settings.confidence_cap * current.confidence);
+    let history = capped_history(frame, current, previous, pixel, lane);
     let texel = previous.gbuffer[frame.pixel_index(pixel) as usize];
     let there = texel.unpack(&frame.previous_camera, pixel, frame.size);
     Some(CrossProposal::new(lights, surface, current, &there, history))
@@ -83,7 +105,17 @@ pub fn accept(
     rng: &mut Rng,
 ) -> initial::Proposal {
     let random = rng.next_u32x4();
-    let mut merge = Pairwise::new(current, target_of(surface, lights, current), proposal.neighbor.confidence);
+    let mut merge = begin(lights, surface, current, proposal);
     merge.add(proposal.neighbor, proposal.seen(visible), unit_f32(random.x));
     initial::Proposal::new(surface, lights, merge.finish(unit_f32(random.y)))
+}
+
+/// A merge of two, before the history is added.
+pub fn begin(
+    lights: LightTable<'_>,
+    surface: &Surface,
+    current: StoredReservoir,
+    proposal: CrossProposal,
+) -> Pairwise {
+    Pairwise::new(current, target_of(surface, lights, current), proposal.neighbor.confidence)
 }
