@@ -28,23 +28,30 @@ pub fn format_of(path: &Path) -> Result<PictureFormat> {
 pub fn check_writable(path: &Path) -> Result<PictureFormat> {
     let format = format_of(path)?;
     let directory = path.parent().filter(|d| !d.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    create_folder(directory)?;
+    check_file(path)?;
+    Ok(format)
+}
+
+/// The same for files in `directory`, which is created.
+pub fn check_folder(directory: &Path) -> Result<()> {
+    create_folder(directory)?;
+    check_file(&directory.join("results"))
+}
+
+pub fn create_folder(directory: &Path) -> Result<()> {
     std::fs::create_dir_all(directory).map_err(|source| Error::File {
         path: directory.into(),
         action: "create the folder",
         source,
-    })?;
+    })
+}
+
+fn check_file(path: &Path) -> Result<()> {
+    let failed = |source| Error::File { path: path.into(), action: "write", source };
     let partial = partial(path);
-    std::fs::write(&partial, []).map_err(|source| Error::File {
-        path: path.into(),
-        action: "write",
-        source,
-    })?;
-    std::fs::remove_file(&partial).map_err(|source| Error::File {
-        path: path.into(),
-        action: "write",
-        source,
-    })?;
-    Ok(format)
+    std::fs::write(&partial, []).map_err(failed)?;
+    std::fs::remove_file(&partial).map_err(failed)
 }
 
 /// Writes display values (RGBA8, red lowest, rows from the top).
@@ -91,4 +98,16 @@ pub fn replace(path: &Path, bytes: &[u8]) -> Result<()> {
     let partial = partial(path);
     std::fs::write(&partial, bytes).map_err(failed)?;
     std::fs::rename(&partial, path).map_err(failed)
+}
+
+/// A JPEG of `color` (display values, 0..=1) over `size` pixels.
+pub fn jpeg(size: UVec2, color: impl Fn(u32, u32) -> Vec3) -> Result<Vec<u8>> {
+    let picture = image::RgbImage::from_fn(size.x, size.y, |x, y| {
+        Rgb((color(x, y).clamp(Vec3::ZERO, Vec3::ONE) * 255.0 + 0.5).to_array().map(|c| c as u8))
+    });
+    let mut encoded = Vec::new();
+    image::codecs::jpeg::JpegEncoder::new_with_quality(&mut encoded, 90)
+        .encode_image(&picture)
+        .map_err(|e| Error::Usage(format!("can't encode a picture: {e}")))?;
+    Ok(encoded)
 }

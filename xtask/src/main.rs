@@ -1,4 +1,4 @@
-//! Every chore has one command: `cargo xtask setup`, `demo`, `test`, `shaders`, `models`, `fixtures`.
+//! Every chore has one command: `cargo xtask setup`, `demo`, `test`, `shaders`, `models`, `fixtures`, `results`.
 
 mod checks;
 mod command;
@@ -35,6 +35,8 @@ enum Task {
     Models,
     /// Write the test scenes to assets/scenes
     Fixtures,
+    /// Fill the tables of docs/results.md from docs/results
+    Results,
 }
 
 fn main() -> ExitCode {
@@ -55,6 +57,7 @@ fn run(task: Task) -> Result<()> {
         Task::Shaders { check } => shaders::run(check),
         Task::Models => models::run(),
         Task::Fixtures => candela(&["fixtures", "assets/scenes"]),
+        Task::Results => candela(&["report", "docs/results", "--markdown", "docs/results.md"]),
     }
 }
 

@@ -25,6 +25,12 @@ pub enum Command {
     Reference(ReferenceArgs),
     /// Say what a scene contains.
     Info(InfoArgs),
+    /// Say how far a picture is from the truth.
+    Compare(CompareArgs),
+    /// Measure times and errors over scenes, lights and settings, and write a report.
+    Sweep(SweepArgs),
+    /// Write the report of a sweep again, or the tables of a page.
+    Report(ReportArgs),
     /// Write the project's own test scenes.
     #[command(hide = true)]
     Fixtures { directory: PathBuf },
@@ -33,7 +39,7 @@ pub enum Command {
 /// Which scene, lit by what.
 #[derive(Args, Clone, Debug)]
 pub struct SceneArgs {
-    /// A .gltf or .glb file, or `atrium`, the built-in hall.
+    /// A .gltf or .glb file, or a built-in scene: `atrium`, a hall, or `knot`, one object.
     #[arg(default_value = "atrium")]
     pub scene: PathBuf,
     /// Number of point lights: of the atrium, or scattered in a file that has no light [default: 500].
@@ -116,6 +122,61 @@ pub struct InfoArgs {
     pub scene: SceneArgs,
 }
 
+#[derive(Args, Clone, Debug)]
+pub struct CompareArgs {
+    /// The picture to judge: .exr, linear radiance.
+    pub picture: PathBuf,
+    /// The truth: .exr of the same size.
+    pub reference: PathBuf,
+    /// Print the numbers as JSON.
+    #[arg(long)]
+    pub json: bool,
+    /// Write heat maps of the error to this folder: flip.png and signed.png.
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+}
+
+#[derive(Args, Clone, Debug)]
+pub struct SweepArgs {
+    /// A .toml file, or a built-in plan: thesis, lights, modes, smoke.
+    pub plan: PathBuf,
+    /// Folder of the results: points.json, points.csv, report.html.
+    #[arg(short, long, value_name = "DIR")]
+    pub output: PathBuf,
+    /// Folder of what is kept between runs: finished points and references [default: DIR/cache].
+    #[arg(long, value_name = "DIR")]
+    pub cache: Option<PathBuf>,
+    /// Measure only the points whose name contains this; may be said several times.
+    #[arg(long, value_name = "TEXT")]
+    pub only: Vec<String>,
+    /// Width x height in pixels, in place of the plan's.
+    #[arg(long, value_parser = parse_size)]
+    pub size: Option<UVec2>,
+    /// Timed frames, in place of the plan's.
+    #[arg(long, value_parser = clap::value_parser!(u32).range(2..))]
+    pub frames: Option<u32>,
+    /// Independent runs, in place of the plan's.
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
+    pub replicas: Option<u32>,
+    /// Milliseconds of accumulation, in place of the plan's.
+    #[arg(long, value_name = "MS", value_parser = positive)]
+    pub accumulate: Option<f32>,
+    /// Print the points of the plan and measure nothing.
+    #[arg(long)]
+    pub list: bool,
+    #[command(flatten)]
+    pub device: DeviceArgs,
+}
+
+#[derive(Args, Clone, Debug)]
+pub struct ReportArgs {
+    /// Folder of a sweep's results, or of committed ones.
+    pub directory: PathBuf,
+    /// Fill the tables of this page from the folder's .json files.
+    #[arg(long, value_name = "FILE")]
+    pub markdown: Option<PathBuf>,
+}
+
 /// Every knob of the estimator: of `--settings`, changed by what else is said. See [`SettingsFile`].
 #[derive(Args, Clone, Debug, Default)]
 pub struct KnobArgs {
@@ -168,11 +229,7 @@ const DEFAULT_LIGHTS: usize = 500;
 
 impl SceneArgs {
     pub fn source(&self) -> SceneSource {
-        if self.scene.as_os_str() == "atrium" {
-            SceneSource::Atrium
-        } else {
-            SceneSource::File(self.scene.clone())
-        }
+        SceneSource::named(&self.scene)
     }
 
     pub fn environment_source(&self) -> Option<EnvironmentSource> {

@@ -17,11 +17,16 @@ pub fn load_scene(args: &SceneArgs) -> Result<SceneDescription> {
 
 /// The camera that the command line asks for: of the scene, given in numbers, or fitted around the scene.
 pub fn camera(scene: &SceneDescription, args: &PictureArgs) -> Result<Camera> {
-    let view = match &args.camera {
-        Some(text) => named_camera(scene, text)?,
-        None => scene.cameras.first().cloned().unwrap_or_else(|| scene.camera_fitted()),
-    };
+    let view = scene_camera(scene, args.camera.as_deref())?;
     Ok(shared_camera(&view, args.size))
+}
+
+/// The camera of that name, number or position; without one, the scene's first, or one fitted around it.
+pub fn scene_camera(scene: &SceneDescription, text: Option<&str>) -> Result<SceneCamera> {
+    match text {
+        Some(text) => named_camera(scene, text),
+        None => Ok(scene.cameras.first().cloned().unwrap_or_else(|| scene.camera_fitted())),
+    }
 }
 
 /// A scene's camera for a picture of `size`.

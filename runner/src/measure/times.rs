@@ -1,5 +1,6 @@
 //! GPU times of passes over many frames.
 
+use super::statistics::Times;
 use crate::frame::renderer::StepTimes;
 
 /// Times of each pass, one value a frame; steps with the same stem are summed.
@@ -29,6 +30,16 @@ impl PassTimes {
     /// (pass, median ms) in frame order.
     pub fn medians(&self) -> Vec<(&'static str, f64)> {
         self.passes.iter().map(|(stem, times)| (*stem, median(times))).collect()
+    }
+
+    /// (pass, times) in frame order.
+    pub fn passes(&self) -> Vec<(&'static str, Times)> {
+        self.passes.iter().map(|(stem, times)| (*stem, Times::of(times))).collect()
+    }
+
+    /// Times of whole frames.
+    pub fn frames(&self) -> Times {
+        Times::of(&self.frames)
     }
 
     /// Median ms of whole frames.

@@ -6,6 +6,7 @@ pub mod environment;
 pub mod export;
 pub mod fixtures;
 pub mod gltf;
+pub mod knot;
 pub mod lights;
 pub mod shapes;
 mod source;
@@ -202,6 +203,8 @@ pub struct Bounds {
 pub enum SceneSource {
     /// The procedural hall: nothing to download.
     Atrium,
+    /// One object before a backdrop.
+    Knot,
     File(PathBuf),
 }
 

@@ -1,9 +1,9 @@
 //! From what the command line names to a scene with lights.
 
 use super::lights::{LightTable, scatter};
-use super::{SceneDescription, SceneSource, atrium, environment, gltf};
+use super::{SceneDescription, SceneSource, atrium, environment, gltf, knot};
 use crate::error::Result;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Seed of scattered lights: the same file and count give the same lights everywhere.
 const SCATTER_SEED: u64 = 1;
@@ -16,6 +16,17 @@ pub struct EnvironmentSource {
     pub scale: f32,
 }
 
+impl SceneSource {
+    /// A built-in scene by its name, else a file.
+    pub fn named(name: &Path) -> Self {
+        match name.to_str() {
+            Some("atrium") => SceneSource::Atrium,
+            Some("knot") => SceneSource::Knot,
+            _ => SceneSource::File(name.into()),
+        }
+    }
+}
+
 /// Loads or generates a scene. `light_count` point lights light the atrium, or a file that brings no light of its own
 /// and has no environment around it.
 pub fn load(
@@ -25,6 +36,7 @@ pub fn load(
 ) -> Result<SceneDescription> {
     let mut scene = match source {
         SceneSource::Atrium => atrium::atrium(light_count),
+        SceneSource::Knot => knot::knot(),
         SceneSource::File(path) => gltf::load(path)?,
     };
     if let Some(source) = environment {

@@ -1,0 +1,63 @@
+//! `candela sweep`: a plan's points, one after another, into a report.
+
+use super::args::SweepArgs;
+use super::{output, progress};
+use crate::error::{Error, Result};
+use crate::measure::report;
+use crate::measure::sweep::plan::Plan;
+use crate::measure::sweep::store::Store;
+use crate::measure::sweep::{Results, Sweep, point};
+use std::time::{Duration, Instant};
+
+/// Results so far are written about this often: whoever stops a sweep has them.
+const WRITE_EVERY: Duration = Duration::from_secs(20);
+
+pub fn run(args: &SweepArgs) -> Result<()> {
+    let (mut plan, base) = Plan::read(&args.plan)?;
+    if let Some(size) = args.size {
+        plan.size = size.to_array();
+    }
+    plan.frames = args.frames.unwrap_or(plan.frames);
+    plan.replicas = args.replicas.unwrap_or(plan.replicas);
+    if let (Some(ms), Some(accumulate)) = (args.accumulate, &mut plan.accumulate) {
+        accumulate.ms = ms.into();
+    }
+    plan.check().map_err(Error::Usage)?;
+    let mut points = plan.points().map_err(Error::Usage)?;
+    points.retain(|p| args.only.is_empty() || args.only.iter().any(|text| p.name(&plan).contains(text)));
+    if points.is_empty() {
+        return Err(Error::Usage(format!(
+            "no point's name contains '{}'; --list shows them",
+            args.only.join("' or '")
+        )));
+    }
+    if args.list {
+        points.iter().for_each(|p| println!("{}", p.name(&plan)));
+        return Ok(());
+    }
+    let store = Store::open(&args.cache.clone().unwrap_or_else(|| args.output.join("cache")))?;
+    report::check_writable(&args.output)?;
+    let bar = progress::bar(point::frames_of(&plan) * points.len() as u64, "measuring");
+    let sweep = Sweep { plan: &plan, base, points, store, device: args.device.options(), bar: bar.clone() };
+    let mut written = Instant::now();
+    let (about, rows, device) = sweep.run(|about, rows| {
+        if written.elapsed() > WRITE_EVERY {
+            let results = Results { about: about.clone(), plan: plan.clone(), rows: rows.to_vec() };
+            report::write(&args.output, &results)?;
+            written = Instant::now();
+        }
+        Ok(())
+    })?;
+    bar.finish_and_clear();
+    let failed: Vec<String> = rows.iter().filter_map(|row| row.error.clone()).collect();
+    let total = rows.len();
+    report::write(&args.output, &Results { about, plan: plan.clone(), rows })?;
+    println!("wrote {}", args.output.join("report.html").display());
+    match failed.first() {
+        None => device.as_ref().map_or(Ok(()), output::check_validation),
+        Some(first) => {
+            let count = failed.len();
+            Err(Error::Usage(format!("{count} of {total} points failed, the first: {first}")))
+        }
+    }
+}

@@ -1,0 +1,95 @@
+//! points.csv: one line a row of the tables, every number.
+
+use super::passes;
+use crate::measure::statistics::Interval;
+use crate::measure::sweep::Results;
+use crate::measure::sweep::point::Measurement;
+
+pub fn table(results: &Results) -> String {
+    let passes = passes(results.rows.iter());
+    let mut lines = vec![header(&passes).join(",")];
+    for row in &results.rows {
+        let place =
+            [&row.scene, &row.lights.to_string(), &row.camera, &row.series, &row.label].map(|t| quoted(t));
+        let mut cells = place.to_vec();
+        match &row.measured {
+            Some(m) => cells.extend(numbers(m, &passes)),
+            None => cells.extend(vec![String::new(); header(&passes).len() - 6]),
+        }
+        cells.push(quoted(row.error.as_deref().unwrap_or_default()));
+        lines.push(cells.join(","));
+    }
+    lines.join("\n") + "\n"
+}
+
+fn header(passes: &[String]) -> Vec<String> {
+    let mut names: Vec<String> =
+        "scene lights camera series label triangles light_table width height mode candidates visibility \
+        temporal spatial iterations neighbors radius reservoirs tiles frame_ms frame_p95_ms frame_spread_ms"
+            .split_whitespace()
+            .map(str::to_owned)
+            .collect();
+    names.extend(passes.iter().map(|p| format!("{p}_ms")));
+    for name in ["rel_mse", "rmse_nit", "r_mae", "mape", "smape", "energy_ratio", "bias_nit"] {
+        names.extend([name.to_owned(), format!("{name}_low"), format!("{name}_high")]);
+    }
+    let rest = "flip lasting_error flicker temporal_correlation not_finite truth_error memory_bytes error";
+    names.extend(rest.split_whitespace().map(str::to_owned));
+    names
+}
+
+fn numbers(m: &Measurement, passes: &[String]) -> Vec<String> {
+    let s = &m.settings;
+    let word = |value: serde_json::Result<serde_json::Value>| {
+        value.ok().and_then(|v| v.as_str().map(str::to_owned)).unwrap_or_default()
+    };
+    let mut cells = vec![
+        m.triangles.to_string(),
+        m.light_count.to_string(),
+        m.size[0].to_string(),
+        m.size[1].to_string(),
+        word(serde_json::to_value(s.mode)),
+        s.candidates.to_string(),
+        s.visibility.to_string(),
+        s.temporal.to_string(),
+        s.spatial.to_string(),
+        s.iterations.to_string(),
+        s.neighbors.to_string(),
+        s.radius.to_string(),
+        s.reservoirs.to_string(),
+        word(serde_json::to_value(s.tiles)),
+    ];
+    cells.extend([m.frame.median, m.frame.p95, m.frame.spread].map(|x| x.to_string()));
+    let ms =
+        |pass: &String| m.passes.iter().find(|(name, _)| name == pass).map(|(_, t)| t.median.to_string());
+    cells.extend(passes.iter().map(|pass| ms(pass).unwrap_or_default()));
+    let e = &m.error;
+    for Interval { mean, low, high } in [e.rel_mse, e.rmse, e.r_mae, e.mape, e.smape, e.energy_ratio, e.bias]
+    {
+        cells.extend([mean, low, high].map(|x| x.to_string()));
+    }
+    cells.extend(
+        [e.flip, e.lasting_error, m.stability.flicker, m.stability.temporal_correlation]
+            .map(|x| x.to_string()),
+    );
+    cells.extend([e.not_finite.to_string(), m.truth.error.to_string(), m.memory.to_string()]);
+    cells
+}
+
+/// As RFC 4180 has it.
+fn quoted(text: &str) -> String {
+    if text.contains([',', '"', '\n']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.into() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_line_has_every_column() {
+        let passes = ["a".to_owned(), "b".to_owned()];
+        let cells = numbers(&Measurement::default(), &passes).len();
+        assert_eq!(header(&passes).len(), 5 + cells + 1);
+        assert_eq!(quoted("a, \"b\""), "\"a, \"\"b\"\"\"");
+    }
+}

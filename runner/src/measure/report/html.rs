@@ -1,0 +1,247 @@
+//! report.html: one file without any other, to open anywhere.
+
+use super::plot::{Line, Point, escaped, log_log};
+use super::tables::{self, COLUMNS, Table};
+use super::{Group, significant, thousands, verdict};
+use crate::measure::sweep::{Results, Row};
+use std::collections::HashSet;
+use std::fmt::Write;
+
+pub fn page(results: &Results) -> String {
+    let about = &results.about;
+    let title = escaped(&results.plan.title);
+    let [width, height] = results.plan.size;
+    let mut page = format!(
+        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width\">\
+         <title>{title}</title>\n<style>{STYLE}</style></head>\n<body><h1>{title}</h1>\n<dl>"
+    );
+    let runs = format!(
+        "{width} x {height} pixels, {} warm-up and {} timed frames, {} independent runs",
+        results.plan.warm_up, results.plan.frames, results.plan.replicas
+    );
+    let facts = [
+        (
+            "device",
+            format!("{} ({}, Vulkan {})", about.device.name, about.device.driver, about.device.vulkan),
+        ),
+        ("program", format!("{}, commit {}, shaders {}", about.program, about.commit, about.shaders)),
+        ("command", about.command.clone()),
+        ("date", about.date.clone()),
+        ("runs", runs),
+    ];
+    for (name, value) in facts {
+        let _ = writeln!(page, "<dt>{name}</dt><dd>{}</dd>", escaped(&value));
+    }
+    page += "</dl>\n";
+    for plot in over_lights(results) {
+        let _ = writeln!(page, "<figure class=\"plot\">{plot}</figure>");
+    }
+    for group in Group::all(results) {
+        section(&mut page, results, &group);
+    }
+    let _ = writeln!(page, "<script>{SCRIPT}</script></body></html>");
+    page
+}
+
+fn section(page: &mut String, results: &Results, group: &Group) {
+    let _ = writeln!(page, "<h2>{}</h2>\n<p>{}</p>", escaped(&group.title()), escaped(&group.truth()));
+    let sentences = verdict::sentences(results, group);
+    if !sentences.is_empty() {
+        let items: Vec<_> = sentences.iter().map(|s| format!("<li>{}</li>", escaped(s))).collect();
+        let _ = writeln!(page, "<h3>Does reuse pay?</h3>\n<ul>{}</ul>", items.join("\n"));
+    }
+    page.push_str("<div class=\"plots\">");
+    for plot in [equal_time(group), Some(error_over_time(group))].into_iter().flatten() {
+        let _ = writeln!(page, "<figure class=\"plot\">{plot}</figure>");
+    }
+    page.push_str("</div>\n");
+    if let Some(table) = results.plan.accumulate.as_ref().and_then(|a| tables::equal_time(group, &a.targets))
+    {
+        write_table(page, "Equal time", &table);
+    }
+    for (name, rows) in group.series() {
+        write_table(page, name, &tables::series(&rows));
+    }
+    let _ = writeln!(page, "<p class=\"note\">{}</p>", escaped(COLUMNS));
+    pictures(page, group);
+}
+
+fn write_table(page: &mut String, name: &str, table: &Table) {
+    let _ = writeln!(page, "<h3>{}</h3>\n<div class=\"wide\"><table>", escaped(name));
+    for (i, row) in table.iter().enumerate() {
+        let cell = if i == 0 { "th" } else { "td" };
+        let cells: String = row.iter().map(|text| format!("<{cell}>{}</{cell}>", escaped(text))).collect();
+        let _ = writeln!(page, "<tr>{cells}</tr>");
+    }
+    page.push_str("</table></div>\n");
+}
+
+/// Single frames: error over ms, the Pareto front through the best.
+fn error_over_time(group: &Group) -> String {
+    let mut seen = HashSet::new();
+    let lines: Vec<Line> = group
+        .series()
+        .into_iter()
+        .map(|(name, rows)| {
+            let fresh = rows.iter().filter(|r| r.measured.as_ref().is_some_and(|m| seen.insert(&m.key)));
+            Line { name: name.into(), points: fresh.filter_map(|r| frame_point(r)).collect(), joined: false }
+        })
+        .collect();
+    log_log("One frame: error over time, dashed: the Pareto front", "ms a frame", "relMSE", &lines, true)
+}
+
+fn frame_point(row: &Row) -> Option<Point> {
+    let m = row.measured.as_ref()?;
+    let e = &m.error.rel_mse;
+    let title = format!("{}: {} ms, relMSE {}", row.label, significant(m.frame.median), significant(e.mean));
+    Some(Point { x: m.frame.median, y: e.mean, bar: (e.low, e.high), title, label: row.label.clone() })
+}
+
+/// Accumulated frames: error over ms, a line an arm.
+pub fn equal_time(group: &Group) -> Option<String> {
+    let line = |row: &&Row| {
+        let m = row.measured.as_ref().filter(|m| !m.curve.is_empty())?;
+        let points = m.curve.iter().map(|p| {
+            let title = format!(
+                "{}: {} frames, {} ms, relMSE {}",
+                row.label,
+                p.frames,
+                significant(p.ms),
+                significant(p.rel_mse.mean)
+            );
+            let bar = (p.rel_mse.low, p.rel_mse.high);
+            Point { x: p.ms, y: p.rel_mse.mean, bar, title, label: String::new() }
+        });
+        Some(Line { name: row.label.clone(), points: points.collect(), joined: true })
+    };
+    let lines: Vec<Line> = group.rows.iter().filter_map(line).collect();
+    let title = "Accumulated frames: error over time";
+    (!lines.is_empty()).then(|| log_log(title, "ms of all passes", "relMSE", &lines, false))
+}
+
+/// A value and the ends of its error bar.
+type Barred = (f64, (f64, f64));
+
+/// Time and error over the number of lights, where a scene has several.
+pub fn over_lights(results: &Results) -> Vec<String> {
+    let mut plots = Vec::new();
+    for scene in &results.plan.scenes {
+        let rows: Vec<&Row> = results.rows.iter().filter(|r| r.scene == scene.name).collect();
+        if rows.iter().map(|r| r.lights).collect::<HashSet<_>>().len() < 2 {
+            continue;
+        }
+        let mut names: Vec<&str> = Vec::new();
+        rows.iter().for_each(|r| {
+            if !names.contains(&r.label.as_str()) {
+                names.push(&r.label)
+            }
+        });
+        let lines = |value: &dyn Fn(&Row) -> Option<Barred>| -> Vec<Line> {
+            let line = |name: &&str| {
+                let of_name = rows.iter().filter(|r| r.label == **name);
+                let points = of_name.filter_map(|r| {
+                    let (y, bar) = value(r)?;
+                    let title = format!("{name}, {} lights: {}", thousands(r.lights), significant(y));
+                    Some(Point { x: r.lights as f64, y, bar, title, label: String::new() })
+                });
+                Line { name: (*name).into(), points: points.collect(), joined: true }
+            };
+            names.iter().map(line).collect()
+        };
+        let times = lines(&|r| r.measured.as_ref().map(|m| (m.frame.median, (m.frame.median, m.frame.p95))));
+        let errors = lines(&|r| {
+            r.measured.as_ref().map(|m| (m.error.rel_mse.mean, (m.error.rel_mse.low, m.error.rel_mse.high)))
+        });
+        let title = |what: &str| format!("{}: {what} over the number of lights", scene.name);
+        plots.push(log_log(&title("time"), "lights", "ms a frame", &times, false));
+        plots.push(log_log(&title("error"), "lights", "relMSE of one frame", &errors, false));
+    }
+    plots
+}
+
+/// Side by side; wheel and drag move all of a section together.
+fn pictures(page: &mut String, group: &Group) {
+    let mut seen = HashSet::new();
+    let mut figures = String::new();
+    let mut add = |key: &str, picture: &str, caption: &str| {
+        if !picture.is_empty() && seen.insert(key.to_owned()) {
+            let _ = writeln!(
+                figures,
+                "<figure><div class=\"view\"><img alt=\"\" src=\"data:image/jpeg;base64,{picture}\"></div>\
+                 <figcaption>{}</figcaption></figure>",
+                escaped(caption)
+            );
+        }
+    };
+    for row in &group.rows {
+        if let Some(m) = &row.measured {
+            add(&m.truth.key, &m.reference_picture, "truth");
+            let numbers =
+                format!("{} ms, relMSE {}", significant(m.frame.median), significant(m.error.rel_mse.mean));
+            let label = if row.label == row.series {
+                row.label.clone()
+            } else {
+                format!("{}: {}", row.series, row.label)
+            };
+            add(&m.key, &m.picture, &format!("{label} ({numbers})"));
+        }
+    }
+    if !figures.is_empty() {
+        let _ = writeln!(
+            page,
+            "<h3>Pictures</h3>\n<p class=\"note\">One frame each, the middle of the picture, one exposure for all. The wheel zooms, \
+             dragging moves, a double click resets: all pictures of the section together.</p>\n<div class=\"pictures\">{figures}</div>"
+        );
+    }
+}
+
+const STYLE: &str = "
+:root { color-scheme: light; }
+body { font: 15px/1.5 system-ui, sans-serif; color: #222; background: #fff; max-width: 1340px; margin: 2rem auto; padding: 0 1.5rem; }
+h1 { font-size: 1.7rem; margin: 0 0 1rem; }
+h2 { font-size: 1.3rem; margin: 2.5rem 0 .3rem; border-bottom: 1px solid #ddd; padding-bottom: .3rem; }
+h3 { font-size: 1.02rem; margin: 1.4rem 0 .4rem; }
+dl { display: grid; grid-template-columns: max-content 1fr; gap: .1rem 1rem; margin: 0 0 1.5rem; color: #444; }
+dt { color: #888; } dd { margin: 0; overflow-wrap: anywhere; }
+ul { margin: .3rem 0 1rem; padding-left: 1.3rem; }
+.plots { display: grid; grid-template-columns: repeat(auto-fit, minmax(420px, 1fr)); gap: 1rem; }
+.plot { margin: .5rem 0; border: 1px solid #e5e5e5; border-radius: 6px; max-width: 760px; } .plot svg { display: block; width: 100%; }
+.wide { overflow-x: auto; }
+table { border-collapse: collapse; font-variant-numeric: tabular-nums; font-size: .84rem; }
+th, td { padding: .22rem .45rem; text-align: right; white-space: nowrap; border-bottom: 1px solid #eee; }
+th { color: #666; font-weight: 600; white-space: normal; vertical-align: bottom; } th:first-child, td:first-child { text-align: left; }
+tr:hover td { background: #f6f8fa; }
+.note { color: #777; font-size: .84rem; max-width: 75em; }
+.pictures { display: grid; grid-template-columns: repeat(auto-fill, minmax(300px, 1fr)); gap: .8rem; }
+.pictures figure { margin: 0; } .view { overflow: hidden; border-radius: 4px; background: #111; cursor: grab; }
+.view img { display: block; width: 100%; transform-origin: 0 0; image-rendering: pixelated; user-select: none; }
+figcaption { font-size: .8rem; color: #555; padding-top: .2rem; }
+";
+
+const SCRIPT: &str = "
+for (const set of document.querySelectorAll('.pictures')) {
+  const images = [...set.querySelectorAll('img')];
+  let scale = 1, x = 0, y = 0, drag = null;
+  const show = () => {
+    const box = images[0].parentElement.getBoundingClientRect();
+    x = Math.min(0, Math.max(x, box.width * (1 - scale)));
+    y = Math.min(0, Math.max(y, box.height * (1 - scale)));
+    for (const image of images) image.style.transform = `translate(${x}px, ${y}px) scale(${scale})`;
+  };
+  for (const image of images) {
+    const view = image.parentElement;
+    image.draggable = false;
+    view.addEventListener('wheel', event => {
+      event.preventDefault();
+      const box = view.getBoundingClientRect(), px = event.clientX - box.left, py = event.clientY - box.top;
+      const next = Math.min(32, Math.max(1, scale * Math.exp(-event.deltaY * 0.002)));
+      x = px - (px - x) * next / scale; y = py - (py - y) * next / scale; scale = next;
+      show();
+    }, { passive: false });
+    view.addEventListener('pointerdown', event => { drag = [event.clientX - x, event.clientY - y]; view.setPointerCapture(event.pointerId); });
+    view.addEventListener('pointermove', event => { if (drag) { x = event.clientX - drag[0]; y = event.clientY - drag[1]; show(); } });
+    view.addEventListener('pointerup', () => { drag = null; });
+    view.addEventListener('dblclick', () => { scale = 1; x = 0; y = 0; show(); });
+  }
+}
+";

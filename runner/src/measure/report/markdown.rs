@@ -1,0 +1,149 @@
+//! Fills the tables of a Markdown page from committed results.
+//!
+//! Between `<!-- results NAME.json -->` and `<!-- end -->` the page has what this module writes; the rest is its author's.
+
+use super::tables::{self, COLUMNS, Table};
+use super::{Group, html, read, verdict};
+use crate::error::{Error, Result};
+use crate::image_io;
+use crate::measure::sweep::Results;
+use std::fmt::Write;
+use std::path::Path;
+
+/// A picture that the page shows: file name, content.
+pub type Picture = (String, String);
+
+/// Rewrites `page` from the results in `directory`, and the plots beside them.
+pub fn update(page: &Path, directory: &Path) -> Result<()> {
+    let (text, pictures) = render(page, directory)?;
+    for (name, svg) in pictures {
+        image_io::replace(&directory.join(name), svg.as_bytes())?;
+    }
+    image_io::replace(page, text.as_bytes())
+}
+
+/// What [`update`] writes.
+pub fn render(page: &Path, directory: &Path) -> Result<(String, Vec<Picture>)> {
+    let old = std::fs::read_to_string(page).map_err(|source| Error::File {
+        path: page.into(),
+        action: "read",
+        source,
+    })?;
+    // As a link from the page: both are given from the same folder.
+    let folder = directory.strip_prefix(page.parent().unwrap_or(Path::new(""))).unwrap_or(directory);
+    let (mut text, mut pictures, mut rest) = (String::new(), Vec::new(), old.as_str());
+    while let Some((before, name, after)) = block(rest) {
+        let results = read(&directory.join(name))?;
+        let stem = name.trim_end_matches(".json");
+        let (body, plots) = blocks(&results, stem, &folder.display().to_string());
+        let _ = write!(text, "{before}{START}{name} -->\n\n{body}\n{END}");
+        pictures.extend(plots);
+        rest = after;
+    }
+    Ok((text + rest, pictures))
+}
+
+/// At the start of a line.
+const START: &str = "\n<!-- results ";
+const END: &str = "<!-- end -->";
+
+/// (text before, name of the file, text after) of the first block.
+fn block(text: &str) -> Option<(&str, &str, &str)> {
+    let (before, rest) = text.split_once(START)?;
+    let (name, rest) = rest.split_once(" -->")?;
+    let (_, after) = rest.split_once(END)?;
+    Some((before, name, after))
+}
+
+fn blocks(results: &Results, stem: &str, folder: &str) -> (String, Vec<Picture>) {
+    let (about, plan) = (&results.about, &results.plan);
+    let mut text = format!(
+        "{} ({}), {} at commit {}. {} x {} pixels, {} warm-up and {} timed frames, {} independent runs. `{}`\n",
+        about.device.name,
+        about.device.driver,
+        about.program,
+        about.commit,
+        plan.size[0],
+        plan.size[1],
+        plan.warm_up,
+        plan.frames,
+        plan.replicas,
+        about.command
+    );
+    let mut pictures = Vec::new();
+    let mut plot = |text: &mut String, title: &str, svg: String| {
+        let name = format!("{stem}-{}.svg", pictures.len() + 1);
+        let _ = write!(text, "\n![{title}]({folder}/{name})\n");
+        pictures.push((name, svg));
+    };
+    for svg in html::over_lights(results) {
+        plot(&mut text, "Over the number of lights", svg);
+    }
+    for group in Group::all(results) {
+        let _ = write!(text, "\n**{}.** {}\n", group.title(), group.truth());
+        if let Some(svg) = html::equal_time(&group) {
+            plot(&mut text, "Error over time", svg);
+        }
+        let equal = plan.accumulate.as_ref().and_then(|a| tables::equal_time(&group, &a.targets));
+        if let Some(table) = equal {
+            write_table(&mut text, &table);
+        }
+        let sentences = verdict::sentences(results, &group);
+        if !sentences.is_empty() {
+            text.push('\n');
+        }
+        for sentence in sentences {
+            let _ = writeln!(text, "- {sentence}");
+        }
+        for (name, rows) in group.series() {
+            let mut table = tables::series(&rows);
+            table[0][0] = name.into();
+            write_table(&mut text, &table);
+        }
+    }
+    let _ = write!(text, "\n{COLUMNS}\n");
+    (text, pictures)
+}
+
+fn write_table(text: &mut String, table: &Table) {
+    text.push('\n');
+    for (i, row) in table.iter().enumerate() {
+        let _ = writeln!(
+            text,
+            "| {} |",
+            row.iter().map(|c| c.replace('|', "\\|")).collect::<Vec<_>>().join(" | ")
+        );
+        if i == 0 {
+            let _ = writeln!(text, "|{}", "---|".repeat(row.len()));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::PathBuf;
+
+    #[test]
+    fn blocks_are_found_and_the_rest_is_left() {
+        let text = "a\n<!-- results x.json -->\nold\n<!-- end -->\nb";
+        assert_eq!(block(text), Some(("a", "x.json", "\nb")));
+        assert_eq!(block("\n<!-- results x.json --> never ends"), None);
+        assert_eq!(block("in `<!-- results x.json -->` text\n<!-- end -->"), None);
+    }
+
+    /// docs/results.md is what `cargo xtask results` makes of docs/results/*.json, to the byte.
+    #[test]
+    fn the_committed_page_is_up_to_date() {
+        let docs = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../docs");
+        let page = docs.join("results.md");
+        let (text, pictures) = render(&page, &docs.join("results")).unwrap();
+        let hint = "`cargo xtask results` brings it up to date";
+        assert!(text == std::fs::read_to_string(&page).unwrap(), "docs/results.md: {hint}");
+        assert!(text.contains("relMSE"), "it has at least one block");
+        for (name, svg) in pictures {
+            let committed = std::fs::read_to_string(docs.join("results").join(&name)).unwrap_or_default();
+            assert!(svg == committed, "docs/results/{name}: {hint}");
+        }
+    }
+}

@@ -1,0 +1,245 @@
+//! Sweeps: every point of a plan measured, whatever happens to single ones, and nothing measured twice.
+
+pub mod about;
+pub mod plan;
+pub mod point;
+pub mod store;
+pub mod truth;
+
+use crate::cli::view;
+use crate::error::{Error, Result};
+use crate::frame::renderer::Renderer;
+use crate::gpu_scene::GpuScene;
+use crate::scene::{self, SceneDescription, SceneSource};
+use crate::vulkan::{Device, DeviceOptions};
+use about::About;
+use indicatif::ProgressBar;
+use plan::{Plan, PointSpec};
+use point::Measurement;
+use serde::{Deserialize, Serialize};
+use shared::camera::Camera;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::PathBuf;
+use store::Store;
+use truth::{Lighting, Truth};
+
+/// Changes with every change of what a number means: older results are then measured again.
+const METHOD: u32 = 1;
+
+/// What a sweep leaves behind.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Results {
+    pub about: About,
+    pub plan: Plan,
+    pub rows: Vec<Row>,
+}
+
+/// A row of a table.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Row {
+    pub scene: String,
+    pub lights: usize,
+    pub camera: String,
+    pub series: String,
+    pub label: String,
+    /// None where measuring failed.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub measured: Option<Measurement>,
+    /// Why it failed.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub error: Option<String>,
+}
+
+pub struct Sweep<'a> {
+    pub plan: &'a Plan,
+    /// Folder that the plan's paths start at.
+    pub base: PathBuf,
+    pub points: Vec<PointSpec>,
+    pub store: Store,
+    pub device: DeviceOptions,
+    pub bar: ProgressBar,
+}
+
+impl PointSpec {
+    /// What `--only` looks at.
+    pub fn name(&self, plan: &Plan) -> String {
+        let camera = self.camera.as_deref().map_or(String::new(), |c| format!(" {c}"));
+        let scene = &plan.scenes[self.scene].name;
+        format!("{scene} {}{camera} / {} / {}", self.lights, self.series, self.label)
+    }
+}
+
+/// A scene under one number of lights, and what it needs on the device once something must be measured.
+struct Bench<'a> {
+    scene: SceneDescription,
+    scene_key: String,
+    reservoirs: u32,
+    device: &'a mut Option<Device>,
+    renderer: Option<Renderer>,
+}
+
+impl Sweep<'_> {
+    /// All rows, in the plan's order, and the device that measured the last. `done` is called after each with the rows so far.
+    pub fn run(
+        &self,
+        mut done: impl FnMut(&About, &[Row]) -> Result<()>,
+    ) -> Result<(About, Vec<Row>, Option<Device>)> {
+        // Without a device nothing can be measured: the one error that ends a sweep at its start.
+        let mut device = Some(Device::new(&self.device)?);
+        let about = About::new(device.as_ref().map(Device::info));
+        let mut rows = Vec::new();
+        let same = |a: &PointSpec, b: &PointSpec| (a.scene, a.lights) == (b.scene, b.lights);
+        for group in self.points.chunk_by(same) {
+            let mut bench = self.bench(&group[0], group, &mut device);
+            for spec in group {
+                let measured = match &mut bench {
+                    Ok(bench) => self.point(bench, spec, &about),
+                    Err(error) => Err(Error::Usage(error.to_string())),
+                };
+                let row = self.row(spec, measured);
+                self.report(&row, rows.len() + 1);
+                rows.push(row);
+                done(&about, &rows)?;
+            }
+        }
+        Ok((about, rows, device))
+    }
+
+    fn bench<'a>(
+        &self,
+        spec: &PointSpec,
+        group: &[PointSpec],
+        device: &'a mut Option<Device>,
+    ) -> Result<Bench<'a>> {
+        let place = &self.plan.scenes[spec.scene];
+        let source = match SceneSource::named(&place.source) {
+            SceneSource::File(path) => SceneSource::File(self.base.join(path)),
+            built_in => built_in,
+        };
+        let scene = scene::load(&source, spec.lights, None)?;
+        let scene_key = store::scene_key(&scene);
+        let reservoirs = group.iter().map(|p| p.settings.reservoirs).max().unwrap_or(1);
+        Ok(Bench { scene, scene_key, reservoirs, device, renderer: None })
+    }
+
+    /// From the store, or measured now.
+    fn point(&self, bench: &mut Bench, spec: &PointSpec, about: &About) -> Result<Measurement> {
+        let plan = self.plan;
+        let view = view::scene_camera(&bench.scene, spec.camera.as_deref())?;
+        let camera = view::shared_camera(&view, plan.size());
+        let place =
+            (METHOD, &about.device, &about.shaders, &bench.scene_key, bytemuck::bytes_of(&camera), plan.size);
+        let runs = (plan.warm_up, plan.frames, plan.replicas, plan.seed);
+        let accumulate = plan.accumulate.as_ref().map(|a| (a.ms, a.frames));
+        let truth_key = store::key(&(&place, &plan.truth))?;
+        let key = store::key(&(&place, &truth_key, &spec.settings, runs, accumulate))?;
+        if let Some(known) = self.store.point(&key) {
+            self.bar.inc(point::frames_of(plan));
+            return Ok(known);
+        }
+        let measure = || self.measure(bench, camera, spec, &truth_key);
+        // A bug in one point must not cost the others.
+        let outcome = catch_unwind(AssertUnwindSafe(measure)).unwrap_or_else(|panic| {
+            let words = panic.downcast_ref::<String>().cloned();
+            let words = words.or_else(|| panic.downcast_ref::<&str>().map(|s| (*s).to_owned()));
+            Err(Error::Usage(format!("internal error: {}", words.unwrap_or_default())))
+        });
+        if outcome.is_err() {
+            // Whatever went wrong, the next point starts with a new device.
+            bench.renderer = None;
+            *bench.device = None;
+        }
+        let measured = Measurement {
+            key: key.clone(),
+            scene: bench.scene.name.clone(),
+            triangles: bench.scene.triangle_count(),
+            camera: view.name,
+            size: plan.size,
+            warm_up: plan.warm_up,
+            frames: plan.frames,
+            replicas: plan.replicas,
+            ..outcome?
+        };
+        self.store.save_point(&key, &measured)?;
+        Ok(measured)
+    }
+
+    fn measure(
+        &self,
+        bench: &mut Bench,
+        camera: Camera,
+        spec: &PointSpec,
+        truth_key: &str,
+    ) -> Result<Measurement> {
+        let plan = self.plan;
+        let renderer = match &mut bench.renderer {
+            Some(renderer) => renderer,
+            none => {
+                let device = match &mut *bench.device {
+                    Some(device) => device,
+                    none => none.insert(Device::new(&self.device)?),
+                };
+                let scene = GpuScene::new(device, &bench.scene)?;
+                none.insert(Renderer::new(device, scene, plan.size(), bench.reservoirs)?)
+            }
+        };
+        let truth = self.truth(renderer, &bench.scene, camera, truth_key)?;
+        let measured = point::measure(renderer, camera, plan, &spec.settings, &truth, || self.bar.inc(1))?;
+        let light_count = renderer.scene().light_count();
+        let memory = renderer.scene().bytes() + renderer.target_bytes();
+        Ok(Measurement { light_count, memory, ..measured })
+    }
+
+    fn truth(
+        &self,
+        renderer: &mut Renderer,
+        scene: &SceneDescription,
+        camera: Camera,
+        key: &str,
+    ) -> Result<Truth> {
+        if let Some(known) = self.store.truth(key) {
+            return Ok(known);
+        }
+        let punctual = scene.point_lights.len() + scene.spot_lights.len() + scene.directional_lights.len();
+        let lights = renderer.scene().light_count();
+        let lighting = Lighting {
+            lights,
+            points_only: punctual == lights as usize,
+            features: renderer.scene().features(),
+        };
+        self.bar.set_message("reference");
+        let truth =
+            truth::converge(renderer, camera, &lighting, &self.plan.truth, key.into(), || self.bar.tick())?;
+        self.bar.set_message("measuring");
+        self.store.save_truth(key, &truth)?;
+        Ok(truth)
+    }
+
+    fn row(&self, spec: &PointSpec, measured: Result<Measurement>) -> Row {
+        let (measured, error) = match measured {
+            Ok(measured) => (Some(measured), None),
+            Err(error) => (None, Some(error.to_string())),
+        };
+        let camera = measured.as_ref().map(|m| m.camera.clone()).or(spec.camera.clone());
+        Row {
+            scene: self.plan.scenes[spec.scene].name.clone(),
+            lights: spec.lights,
+            camera: camera.unwrap_or_default(),
+            series: spec.series.clone(),
+            label: spec.label.clone(),
+            measured,
+            error,
+        }
+    }
+
+    /// One line for each finished point, on standard output.
+    fn report(&self, row: &Row, number: usize) {
+        let what = match (&row.measured, &row.error) {
+            (Some(m), _) => format!("{:.3} ms, relMSE {:.4}", m.frame.median, m.error.rel_mse.mean),
+            (None, error) => format!("FAILED: {}", error.as_deref().unwrap_or_default()),
+        };
+        let Row { scene, lights, series, label, .. } = row;
+        let total = self.points.len();
+        self.bar.suspend(|| println!("{number}/{total} {scene} {lights} / {series} / {label}: {what}"));
+    }
+}

@@ -1,0 +1,355 @@
+//! What to measure: a TOML document, expanded to points. Its syntax is docs/measuring.md.
+
+use crate::error::{Error, Result};
+use crate::settings_file::SettingsFile;
+use glam::UVec2;
+use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
+use toml::{Table, Value};
+
+/// The plans that are part of the program.
+pub const BUILT_IN: [(&str, &str); 4] = [
+    ("thesis", include_str!("../../../../assets/plans/thesis.toml")),
+    ("lights", include_str!("../../../../assets/plans/lights.toml")),
+    ("modes", include_str!("../../../../assets/plans/modes.toml")),
+    ("smoke", include_str!("../../../../assets/plans/smoke.toml")),
+];
+
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Plan {
+    pub title: String,
+    /// Width and height, pixels.
+    pub size: [u32; 2],
+    /// Frames before the timed ones: pipelines, caches and histories fill.
+    #[serde(default = "default_warm_up")]
+    pub warm_up: u32,
+    /// Timed frames of a run; the last one is judged.
+    #[serde(default = "default_frames")]
+    pub frames: u32,
+    /// Independent runs: what confidence intervals come from.
+    #[serde(default = "default_replicas")]
+    pub replicas: u32,
+    #[serde(default)]
+    pub seed: u32,
+    /// Knobs of all points.
+    #[serde(default)]
+    pub settings: Table,
+    #[serde(rename = "scene")]
+    pub scenes: Vec<PlanScene>,
+    pub series: Vec<Series>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub accumulate: Option<Accumulate>,
+    #[serde(default)]
+    pub truth: TruthPlan,
+}
+
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PlanScene {
+    pub name: String,
+    /// As on the command line; a file's path starts at the plan.
+    pub source: PathBuf,
+    #[serde(default = "default_lights")]
+    pub lights: Vec<usize>,
+    /// By name, number or position; the scene's first one if there are none.
+    #[serde(default)]
+    pub cameras: Vec<String>,
+}
+
+/// Points that stand together in a table.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Series {
+    pub name: String,
+    /// Names of scenes; all if there are none.
+    #[serde(default)]
+    pub scenes: Vec<String>,
+    /// Knobs of this series; a list is an axis, and several axes give every combination.
+    #[serde(default)]
+    pub settings: Table,
+    /// Named rows in place of axes.
+    #[serde(default, rename = "arm")]
+    pub arms: Vec<Arm>,
+}
+
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Arm {
+    pub name: String,
+    #[serde(default)]
+    pub settings: Table,
+}
+
+/// Means of more and more frames: what is reached after so many ms.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Accumulate {
+    /// Ends a run: ms of passes, or frames, whichever comes first.
+    pub ms: f64,
+    #[serde(default = "default_accumulated")]
+    pub frames: u32,
+    /// relMSE to reach.
+    #[serde(default = "default_targets")]
+    pub targets: Vec<f64>,
+}
+
+/// How the truth is found; see [`super::truth`].
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct TruthPlan {
+    /// The sum over all lights, if it needs at most so many rays; else a mean of independent frames.
+    pub max_rays: f64,
+    /// Wanted standard error, as √relMSE of the truth.
+    pub error: f64,
+    /// Frames, or sums, to stop at.
+    pub max_samples: u32,
+}
+
+fn default_warm_up() -> u32 {
+    10
+}
+fn default_frames() -> u32 {
+    10
+}
+fn default_replicas() -> u32 {
+    4
+}
+fn default_lights() -> Vec<usize> {
+    vec![500]
+}
+fn default_accumulated() -> u32 {
+    4096
+}
+fn default_targets() -> Vec<f64> {
+    vec![0.3, 0.1, 0.03, 0.01]
+}
+
+impl Default for TruthPlan {
+    fn default() -> Self {
+        TruthPlan { max_rays: 4e9, error: 0.01, max_samples: 4096 }
+    }
+}
+
+/// One row of a table: what is measured, and where it stands.
+#[derive(Clone, Debug)]
+pub struct PointSpec {
+    /// Index of the plan's scene.
+    pub scene: usize,
+    pub lights: usize,
+    pub camera: Option<String>,
+    pub series: String,
+    /// Arm and values of the axes.
+    pub label: String,
+    pub settings: SettingsFile,
+}
+
+impl Plan {
+    /// A built-in plan by its name, or a file; with the folder that its paths start at.
+    pub fn read(path: &Path) -> Result<(Plan, PathBuf)> {
+        if let Some((_, text)) = BUILT_IN.iter().find(|(name, _)| path.as_os_str() == *name) {
+            return Ok((Plan::parse(text, path)?, PathBuf::new()));
+        }
+        let text = std::fs::read_to_string(path).map_err(|source| Error::File {
+            path: path.into(),
+            action: "read",
+            source,
+        })?;
+        Ok((Plan::parse(&text, path)?, path.parent().unwrap_or(Path::new("")).into()))
+    }
+
+    fn parse(text: &str, path: &Path) -> Result<Plan> {
+        let plan: Plan = toml::from_str(text).map_err(|e| {
+            let line = e.span().map_or(0, |span| text[..span.start].matches('\n').count() + 1);
+            let message = e.message().replace('\n', " ");
+            Error::Usage(format!("{}: line {line}: {message}", path.display()))
+        })?;
+        plan.check().map_err(|reason| Error::Usage(format!("{}: {reason}", path.display())))?;
+        Ok(plan)
+    }
+
+    /// The first mistake, in one line.
+    pub fn check(&self) -> Result<(), String> {
+        if self.size.iter().any(|side| !(1..=16384).contains(side)) {
+            return Err("size: width and height go from 1 to 16384".into());
+        }
+        if self.frames < 2 || self.replicas < 1 {
+            return Err("frames: at least 2; replicas: at least 1".into());
+        }
+        let names: Vec<_> = self.scenes.iter().map(|s| s.name.as_str()).collect();
+        for series in &self.series {
+            if let Some(unknown) = series.scenes.iter().find(|s| !names.contains(&s.as_str())) {
+                let known = names.join(", ");
+                return Err(format!("series '{}': no scene '{unknown}' (there are {known})", series.name));
+            }
+        }
+        if let Some(accumulate) = &self.accumulate
+            && (accumulate.ms.is_nan() || accumulate.ms <= 0.0 || accumulate.frames == 0)
+        {
+            return Err("accumulate: ms and frames are above 0".into());
+        }
+        if self.points()?.is_empty() {
+            return Err("it has no points: add a [[scene]] and a [[series]]".into());
+        }
+        Ok(())
+    }
+
+    pub fn size(&self) -> UVec2 {
+        UVec2::from(self.size)
+    }
+
+    /// Every point; scene by scene, lights by lights, camera by camera.
+    pub fn points(&self) -> Result<Vec<PointSpec>, String> {
+        let mut points = Vec::new();
+        for (scene, place) in self.scenes.iter().enumerate() {
+            for &lights in &place.lights {
+                let cameras: Vec<Option<String>> = match &place.cameras[..] {
+                    [] => vec![None],
+                    names => names.iter().cloned().map(Some).collect(),
+                };
+                for camera in cameras {
+                    for series in &self.series {
+                        if series.scenes.is_empty() || series.scenes.contains(&place.name) {
+                            for (label, settings) in self.rows(series)? {
+                                let (camera, series) = (camera.clone(), series.name.clone());
+                                points.push(PointSpec { scene, lights, camera, series, label, settings });
+                            }
+                        }
+                    }
+                }
+            }
+        }
+        Ok(points)
+    }
+
+    /// (label, settings) of a series.
+    fn rows(&self, series: &Series) -> Result<Vec<(String, SettingsFile)>, String> {
+        let nameless = [Arm { name: String::new(), settings: Table::new() }];
+        let arms = if series.arms.is_empty() { &nameless[..] } else { &series.arms };
+        let mut rows = Vec::new();
+        for arm in arms {
+            let mut knobs = self.settings.clone();
+            knobs.extend(series.settings.clone());
+            knobs.extend(arm.settings.clone());
+            for (values, knobs) in combinations(&knobs) {
+                let name = (!arm.name.is_empty()).then(|| arm.name.clone());
+                let label = name.into_iter().chain(values).collect::<Vec<_>>().join(", ");
+                let label = if label.is_empty() { series.name.clone() } else { label };
+                let wrong = |reason: String| format!("series '{}', {label}: {reason}", series.name);
+                let settings: SettingsFile =
+                    knobs.try_into().map_err(|e: toml::de::Error| wrong(e.message().replace('\n', " ")))?;
+                settings.check().map_err(wrong)?;
+                rows.push((label, settings));
+            }
+        }
+        Ok(rows)
+    }
+}
+
+/// Each choice of one value from every list: ("knob value" of the lists, knobs).
+fn combinations(knobs: &Table) -> Vec<(Vec<String>, Table)> {
+    let mut all = vec![(Vec::new(), Table::new())];
+    for (name, value) in knobs {
+        let Value::Array(values) = value else {
+            all.iter_mut().for_each(|(_, knobs)| drop(knobs.insert(name.clone(), value.clone())));
+            continue;
+        };
+        let with = |(labels, knobs): &(Vec<String>, Table), value: &Value| {
+            let (mut labels, mut knobs) = (labels.clone(), knobs.clone());
+            labels.push(match value {
+                Value::Boolean(on) => format!("{name} {}", if *on { "on" } else { "off" }),
+                Value::String(text) => format!("{name} {text}"),
+                Value::Integer(number) => format!("{name} {number}"),
+                Value::Float(number) => format!("{name} {number}"),
+                other => format!("{name} {other:?}"),
+            });
+            knobs.insert(name.clone(), value.clone());
+            (labels, knobs)
+        };
+        all = all.iter().flat_map(|row| values.iter().map(|v| with(row, v)).collect::<Vec<_>>()).collect();
+    }
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::settings_file::Mode;
+
+    const SMALL: &str = r#"
+        title = "small"
+        size = [8, 8]
+        settings = { candidates = 4 }
+        [[scene]]
+        name = "a"
+        source = "knot"
+        lights = [1, 2]
+        [[scene]]
+        name = "b"
+        source = "b.glb"
+        cameras = ["0", "1"]
+        [[series]]
+        name = "axes"
+        scenes = ["a"]
+        settings = { candidates = [8, 16], temporal = [true, false] }
+        [[series]]
+        name = "arms"
+        [[series.arm]]
+        name = "right"
+        settings = { mode = "unbiased" }
+        [[series.arm]]
+        name = "plain"
+    "#;
+
+    fn parse(text: &str) -> Result<Plan, String> {
+        Plan::parse(text, Path::new("p.toml")).map_err(|e| e.to_string())
+    }
+
+    #[test]
+    fn lists_are_axes_and_arms_are_rows() {
+        let points = parse(SMALL).unwrap().points().unwrap();
+        // a: 2 counts x (4 + 2); b: 2 cameras x 2.
+        assert_eq!(points.len(), 2 * 6 + 2 * 2);
+        let labels: Vec<_> = points[..6].iter().map(|p| p.label.as_str()).collect();
+        let expected = [
+            "candidates 8, temporal on",
+            "candidates 8, temporal off",
+            "candidates 16, temporal on",
+            "candidates 16, temporal off",
+            "right",
+            "plain",
+        ];
+        assert_eq!(labels, expected);
+        assert_eq!((points[1].settings.candidates, points[1].settings.temporal), (8, false));
+        assert_eq!((points[4].settings.mode, points[4].settings.candidates), (Mode::Unbiased, 4));
+        assert_eq!((points[6].lights, points[12].camera.as_deref()), (2, Some("0")));
+    }
+
+    #[test]
+    fn built_in_plans_are_whole() {
+        for (name, _) in BUILT_IN {
+            let (plan, _) = Plan::read(Path::new(name)).unwrap();
+            println!("{name}: {} points", plan.points().unwrap().len());
+        }
+    }
+
+    #[test]
+    fn mistakes_are_one_line_that_names_them() {
+        for (from, to, words) in [
+            ("title = \"small\"", "titel = 1", "unknown field `titel`"),
+            ("candidates = 4", "candidate = 4", "unknown field `candidate`"),
+            ("candidates = [8, 16]", "candidates = [8, 2000]", "candidates 2000"),
+            ("scenes = [\"a\"]", "scenes = [\"c\"]", "no scene 'c' (there are a, b)"),
+            ("size = [8, 8]", "size = [8, 0]", "size"),
+            ("size = [8, 8]", "size = [8, ", "line 4"),
+            ("size = [8, 8]", "size = [8, 8]\naccumulate = { ms = 0 }", "above 0"),
+        ] {
+            assert!(SMALL.contains(from), "{from}");
+            let error = parse(&SMALL.replacen(from, to, 1)).unwrap_err();
+            assert!(
+                error.contains(words) && error.contains("p.toml") && !error.contains('\n'),
+                "{to}: {error}"
+            );
+        }
+    }
+}

@@ -1,0 +1,190 @@
+//! The program as a user starts it: a sweep that is killed and started again, and what its report says.
+
+use std::io::{BufRead, BufReader};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+/// Points of the plan `smoke`.
+const POINTS: usize = 6;
+
+fn sweep(directory: &Path) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_candela"));
+    command.args(["sweep", "smoke", "-o"]).arg(directory);
+    if std::env::var("CANDELA_NO_VALIDATION").as_deref() != Ok("1") {
+        command.arg("--validate");
+    }
+    command
+}
+
+/// Removed at the end.
+struct Folder(PathBuf);
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+/// (name, content, time of the last change) of every finished point.
+fn finished(directory: &Path) -> Vec<(String, Vec<u8>, std::time::SystemTime)> {
+    let cache = std::fs::read_dir(directory.join("cache")).unwrap();
+    let points = cache.map(|entry| entry.unwrap()).filter_map(|entry| {
+        let name = entry.file_name().into_string().unwrap();
+        let changed = entry.metadata().unwrap().modified().unwrap();
+        (name.starts_with("point-") && name.ends_with(".json"))
+            .then(|| (name, std::fs::read(entry.path()).unwrap(), changed))
+    });
+    points.collect()
+}
+
+#[test]
+fn a_killed_sweep_goes_on_and_its_numbers_make_sense() {
+    let folder = Folder(std::env::temp_dir().join(format!("candela-sweep-{}", std::process::id())));
+    let directory = &folder.0;
+
+    // Killed when it says that its first point is done.
+    let mut child = sweep(directory).stdout(Stdio::piped()).spawn().unwrap();
+    let mut line = String::new();
+    BufReader::new(child.stdout.take().unwrap()).read_line(&mut line).unwrap();
+    child.kill().unwrap();
+    let status = child.wait().unwrap();
+    if line.is_empty() && std::env::var("CANDELA_ALLOW_NO_GPU").as_deref() == Ok("1") {
+        eprintln!("skipped: no device");
+        return;
+    }
+    assert!(
+        line.starts_with(&format!("1/{POINTS} knot 30 / light samples / candidates 1:")),
+        "{line:?} {status}"
+    );
+    let kept = finished(directory);
+    assert!(!kept.is_empty());
+
+    // The second run keeps them to the byte and finishes.
+    let output = sweep(directory).output().unwrap();
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{errors}");
+    let all = finished(directory);
+    assert_eq!(all.len(), POINTS);
+    assert!(kept.iter().all(|point| all.contains(point)), "a finished point was measured again");
+
+    let csv = std::fs::read_to_string(directory.join("points.csv")).unwrap();
+    let table = Table::parse(&csv);
+    assert_eq!(table.rows.len(), POINTS);
+    for row in &table.rows {
+        for column in
+            ["frame_ms", "frame_p95_ms", "gbuffer_ms", "shade_ms", "rel_mse", "r_mae", "flip", "rmse_nit"]
+        {
+            let x = table.number(row, column);
+            assert!(x > 0.0 && x.is_finite(), "{column}: {x}");
+        }
+        assert_eq!(table.text(row, "error"), "");
+        assert_eq!(table.number(row, "truth_error"), 0.0, "point lights have an exact truth");
+        assert!(table.number(row, "rel_mse_low") <= table.number(row, "rel_mse"));
+    }
+    more_candidates_give_less_error(&table);
+
+    let html = std::fs::read_to_string(directory.join("report.html")).unwrap();
+    assert!(html.contains("<svg") && html.contains("data:image/jpeg;base64,") && !html.contains(">NaN"));
+    assert!(!html.contains("src=\"http") && !html.contains("href=\"http"), "the report needs no network");
+}
+
+/// By more than the confidence intervals: 1, 8, 64 candidates. SMAPE is bounded, so no firefly shakes it: the three means lie
+/// more than 20 standard errors apart.
+fn more_candidates_give_less_error(table: &Table) {
+    let samples: Vec<_> = table.rows.iter().filter(|r| table.text(r, "series") == "light samples").collect();
+    let counts: Vec<f64> = samples.iter().map(|r| table.number(r, "candidates")).collect();
+    assert_eq!(counts, [1.0, 8.0, 64.0]);
+    for pair in samples.windows(2) {
+        let (fewer, more) = (table.number(pair[0], "smape_low"), table.number(pair[1], "smape_high"));
+        assert!(more < fewer, "at most {more} with more candidates, at least {fewer} with fewer");
+    }
+}
+
+struct Table {
+    header: Vec<String>,
+    rows: Vec<Vec<String>>,
+}
+
+impl Table {
+    fn parse(csv: &str) -> Table {
+        let mut rows: Vec<Vec<String>> = csv.lines().map(cells).collect();
+        let header = rows.remove(0);
+        assert!(rows.iter().all(|row| row.len() == header.len()));
+        Table { header, rows }
+    }
+
+    fn text<'a>(&self, row: &'a [String], column: &str) -> &'a str {
+        &row[self.header.iter().position(|name| name == column).unwrap()]
+    }
+
+    fn number(&self, row: &[String], column: &str) -> f64 {
+        self.text(row, column).parse().unwrap_or_else(|e| panic!("{column}: {e}"))
+    }
+}
+
+/// Of a line of CSV; commas between quotes are text.
+fn cells(line: &str) -> Vec<String> {
+    let mut cells = vec![String::new()];
+    let mut quoted = false;
+    for c in line.chars() {
+        match c {
+            '"' => quoted = !quoted,
+            ',' if !quoted => cells.push(String::new()),
+            _ => cells.last_mut().unwrap().push(c),
+        }
+    }
+    cells
+}
+
+#[test]
+fn mistakes_are_one_line_and_exit_code_2() {
+    let run = |args: &[&str]| Command::new(env!("CARGO_BIN_EXE_candela")).args(args).output().unwrap();
+    for (args, words) in [
+        (&["sweep", "no-such-plan.toml", "-o", "unused"][..], "no-such-plan.toml: can't read"),
+        (&["sweep", "smoke", "-o", "unused", "--only", "nothing"], "no point's name contains 'nothing'"),
+        (&["compare", "a.exr", "b.exr"], "a.exr"),
+        (&["report", "no-such-folder"], "points.json"),
+    ] {
+        let output = run(args);
+        let errors = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{errors}");
+        assert!(errors.contains(words) && errors.trim_end().lines().count() == 1, "{args:?}: {errors}");
+    }
+    assert!(!Path::new("unused").exists(), "nothing was begun");
+}
+
+/// Pictures of different sizes, and one against itself.
+#[test]
+fn compare_reads_what_render_writes() {
+    use candela::image_io::write_exr;
+    use glam::{UVec2, Vec3};
+    let folder = Folder(std::env::temp_dir().join(format!("candela-compare-{}", std::process::id())));
+    std::fs::create_dir_all(&folder.0).unwrap();
+    let path = |name: &str| folder.0.join(name);
+    let ramp = |n: u32, by: f32| (0..n).map(|i| Vec3::splat(i as f32 * by)).collect::<Vec<_>>();
+    write_exr(&path("a.exr"), UVec2::new(40, 20), &ramp(800, 1.0)).unwrap();
+    write_exr(&path("b.exr"), UVec2::new(40, 20), &ramp(800, 1.1)).unwrap();
+    write_exr(&path("c.exr"), UVec2::new(20, 40), &ramp(800, 1.0)).unwrap();
+    let run = |names: [&str; 2], rest: &[&str]| {
+        let program = env!("CARGO_BIN_EXE_candela");
+        Command::new(program).arg("compare").args(names.map(path)).args(rest).output().unwrap()
+    };
+    let output = run(["a.exr", "b.exr"], &["--json", "-o", path("maps").to_str().unwrap()]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let text = String::from_utf8(output.stdout).unwrap();
+    let ratio = text.lines().find_map(|l| l.trim().strip_prefix("\"energy_ratio\": ")).unwrap();
+    assert!((ratio.trim_end_matches(',').parse::<f64>().unwrap() - 1.0 / 1.1).abs() < 1e-5, "{text}");
+    for map in ["flip.png", "signed.png"] {
+        assert!(path("maps").join(map).exists());
+    }
+    let same = run(["a.exr", "a.exr"], &[]);
+    let text = String::from_utf8(same.stdout).unwrap();
+    assert!(text.contains("relMSE        0.0000e0") && text.contains("FLIP          0.0000"), "{text}");
+    let sizes = run(["a.exr", "c.exr"], &[]);
+    let error = String::from_utf8_lossy(&sizes.stderr).into_owned();
+    assert_eq!(sizes.status.code(), Some(2));
+    assert!(
+        error.contains("is 40x20") && error.contains("is 20x40") && error.lines().count() == 1,
+        "{error}"
+    );
+}
