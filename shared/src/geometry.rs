@@ -1,6 +1,6 @@
 //! Scene geometry as the GPU reads it: what a hit's indices point to, and how it becomes a point in space.
 
-use crate::math::{normalize_or, pack_direction, unpack_direction};
+use crate::math::{cross, normalize_or, pack_direction, unpack_direction};
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3};
 
@@ -103,7 +103,7 @@ impl InstanceGeometry {
         let Triangle { positions: p, attributes: a } = triangle;
         let weights = Vec3::new(1.0 - b.x - b.y, b.x, b.y);
         let corners = [self.point_to_world(p[0]), self.point_to_world(p[1]), self.point_to_world(p[2])];
-        let cross = (corners[1] - corners[0]).cross(corners[2] - corners[0]) * self.handedness;
+        let cross = cross(corners[1] - corners[0], corners[2] - corners[0]) * self.handedness;
         let geometric_normal = normalize_or(cross, Vec3::Y);
         let normal = unpack_direction(a[0].normal) * weights.x
             + unpack_direction(a[1].normal) * weights.y

@@ -32,6 +32,23 @@ pub fn normalize_or(v: Vec3, fallback: Vec3) -> Vec3 {
     }
 }
 
+/// `a` x `b`, accurate also for nearly parallel vectors, where the products cancel (Kahan's difference of products: each
+/// component within 2 ulp where the device fuses multiply-adds, as without it where not).
+pub fn cross(a: Vec3, b: Vec3) -> Vec3 {
+    Vec3::new(
+        difference_of_products(a.y, b.z, a.z, b.y),
+        difference_of_products(a.z, b.x, a.x, b.z),
+        difference_of_products(a.x, b.y, a.y, b.x),
+    )
+}
+
+/// `a b - c d`
+fn difference_of_products(a: f32, b: f32, c: f32, d: f32) -> f32 {
+    let cd = c * d;
+    let error = (-c).mul_add(d, cd);
+    a.mul_add(b, -cd) + error
+}
+
 /// 0..=65535 nearest to `x` in [0, 1]; error of the round trip <= 0.51/65535 (half a step, and f32's rounding).
 pub fn pack_unorm16(x: f32) -> u32 {
     (x.clamp(0.0, 1.0) * 65535.0 + 0.5) as u32
@@ -83,10 +100,12 @@ pub fn unpack_direction(bits: u32) -> Vec3 {
 /// The step is 128 to 256 ulp, as in Wächter & Binder 2019, "A Fast and Robust Method for Avoiding
 /// Self-Intersection", but of the largest number that the position was computed from, which is what its rounding
 /// error scales with: its own coordinates and `magnitude` (for a primary hit the distance to the camera, for a light
-/// its size; m). That makes it free of world units and of a special case at the origin.
-pub fn offset_ray_origin(position: Vec3, normal: Vec3, magnitude: f32) -> Vec3 {
+/// its size; m). That makes it free of world units and of a special case at the origin. `room`: how far the ray's other end lies
+/// above the surface, m; a quarter of it at most is taken, so that two ends that nearly touch don't pass each other.
+pub fn offset_ray_origin(position: Vec3, normal: Vec3, magnitude: f32, room: f32) -> Vec3 {
     const STEP: f32 = 1.0 / 65536.0;
-    position + normal * (STEP * position.abs().max_element().max(magnitude))
+    let step = STEP * position.abs().max_element().max(magnitude);
+    position + normal * step.min(0.25 * room.max(0.0))
 }
 
 #[cfg(test)]
@@ -162,7 +181,7 @@ mod tests {
                 [corners[0], corners[1] - corners[0], corners[2] - corners[0]].map(|v| v.as_dvec3());
             let normal = e1.cross(e2).normalize();
             let error = (p.as_dvec3() - a).dot(normal).abs();
-            let moved = offset_ray_origin(p, normal.as_vec3(), scale).as_dvec3();
+            let moved = offset_ray_origin(p, normal.as_vec3(), scale, f32::MAX).as_dvec3();
             let height = (moved - a).dot(normal);
             assert!(height > error, "{p} is off by {error} and rises to {height} only");
             assert!(

@@ -15,8 +15,10 @@ pub struct ShadowRay {
 impl ShadowRay {
     /// From `surface` to the sampled point of a light; both ends are moved off the surfaces they lie on.
     pub fn new(surface: &Surface, incident: &Incident) -> Self {
-        let origin = surface.ray_origin();
-        let end = offset_ray_origin(incident.position, incident.normal, incident.magnitude);
+        let to_light = incident.direction * incident.distance;
+        let origin = surface.ray_origin(surface.geometric_normal.dot(to_light));
+        let room = -incident.normal.dot(to_light);
+        let end = offset_ray_origin(incident.position, incident.normal, incident.magnitude, room);
         ShadowRay { origin, direction: end - origin }
     }
 }

@@ -160,9 +160,9 @@ fn visible_normal(normal: Vec3, wo: Vec3) -> Vec3 {
 }
 
 impl Surface {
-    /// Where a ray that leaves this surface starts.
-    pub fn ray_origin(&self) -> Vec3 {
-        offset_ray_origin(self.position, self.geometric_normal, self.distance)
+    /// Where a ray starts that leaves this surface for a point `room` m above it.
+    pub fn ray_origin(&self, room: f32) -> Vec3 {
+        offset_ray_origin(self.position, self.geometric_normal, self.distance, room)
     }
 }
 

@@ -12,7 +12,7 @@ pub use table::{LightSample, LightTable, Lights};
 use crate::environment;
 #[cfg(not(target_arch = "spirv"))]
 use crate::math::luminance;
-use crate::math::{normalize_or, safe_ratio};
+use crate::math::{cross, normalize_or, safe_ratio};
 use crate::pdf::SourcePdf;
 use crate::sampling::{square_to_triangle, triangle_pdf};
 use bytemuck::{Pod, Zeroable};
@@ -221,7 +221,7 @@ impl Light {
     fn sample_triangle(&self, square: Vec2, receiver: Vec3) -> Incident {
         let b = square_to_triangle(square);
         let position = self.position + b.x * self.edge1 + b.y * self.edge2;
-        let mut normal = normalize_or(self.edge1.cross(self.edge2), Vec3::ZERO);
+        let mut normal = normalize_or(cross(self.edge1, self.edge2), Vec3::ZERO);
         let to_light = position - receiver;
         let direction = normalize_or(to_light, Vec3::ZERO);
         let distance = to_light.dot(direction);

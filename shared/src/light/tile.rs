@@ -9,7 +9,7 @@
 use super::{DOUBLE_SIDED, Incident, LightSample, LightTable, from_point, kind};
 use crate::environment;
 use crate::frame::FrameConstants;
-use crate::math::{pack_direction, unpack_direction};
+use crate::math::{cross, pack_direction, unpack_direction};
 use crate::pdf::SourcePdf;
 use crate::rng::{Rng, Stream, hash};
 use bytemuck::{Pod, Zeroable};
@@ -73,6 +73,9 @@ pub fn presample(lights: LightTable<'_>, tile: u32, entry: u32, frame: &FrameCon
 
 impl TileEntry {
     fn new(lights: LightTable<'_>, sample: LightSample, source_pdf: SourcePdf) -> Self {
+        if sample.light >= lights.lights.count() {
+            return TileEntry::default();
+        }
         let light = lights.lights.lights[sample.light as usize];
         let square = sample.square();
         let position = match light.kind {
@@ -87,7 +90,7 @@ impl TileEntry {
         let e = light.emission;
         TileEntry {
             position,
-            normal: pack_direction(light.edge1.cross(light.edge2)),
+            normal: pack_direction(cross(light.edge1, light.edge2)),
             red_green: encode(e.x) | encode(e.y) << 16,
             blue_kind: encode(e.z) | (light.kind | light.flags << 4) << 16,
             source_pdf: source_pdf.0,
