@@ -1,8 +1,10 @@
 //! A frame: its passes, their order, their buffers, and how they are recorded.
 
+pub mod history;
 pub mod pass;
 pub mod passes;
 pub mod pipelines;
+pub mod recorder;
 pub mod renderer;
 pub mod schedule;
 pub mod targets;

@@ -1,0 +1,74 @@
+//! A sequence of frames with its past: what one frame leaves for the next.
+
+use super::pass::BufferId;
+use super::schedule::Rotation;
+use super::targets::Targets;
+use crate::error::Result;
+use crate::vulkan::{Buffer, Device};
+use bytemuck::Pod;
+use glam::{UVec2, Vec3};
+use shared::camera::Camera;
+
+/// Targets of one picture size, and which frame they hold. Frames of several histories may take turns on one recorder.
+pub struct History {
+    pub(super) targets: Targets,
+    pub(super) rotation: Rotation,
+    pub(super) index: u32,
+    pub(super) previous_camera: Option<Camera>,
+    reservoirs: u32,
+    size: UVec2,
+}
+
+impl History {
+    /// `reservoirs`: N a pixel, at most what frames may ask for; 0 for reference frames only.
+    pub fn new(device: &Device, size: UVec2, reservoirs: u32) -> Result<Self> {
+        Ok(History {
+            targets: Targets::new(device, size, reservoirs)?,
+            rotation: Rotation::default(),
+            index: 0,
+            previous_camera: None,
+            reservoirs,
+            size,
+        })
+    }
+
+    /// Pixels.
+    pub fn size(&self) -> UVec2 {
+        self.size
+    }
+
+    /// Reservoirs a pixel that there is room for.
+    pub fn reservoirs(&self) -> u32 {
+        self.reservoirs
+    }
+
+    /// Frames since the start.
+    pub fn index(&self) -> u32 {
+        self.index
+    }
+
+    /// Device memory of the picture-sized buffers, bytes.
+    pub fn bytes(&self) -> u64 {
+        self.targets.bytes()
+    }
+
+    /// Forgets the past: the next frame is number 0.
+    pub fn restart(&mut self) {
+        self.index = 0;
+        self.previous_camera = None;
+    }
+
+    pub fn target(&self, id: BufferId) -> &Buffer {
+        self.targets.get(id)
+    }
+
+    /// Content of a target after the last frame, which must have run.
+    pub fn read<T: Pod>(&self, target: BufferId) -> Result<Vec<T>> {
+        self.target(target).read_vec()
+    }
+
+    /// Radiance of the last frame: nit, linear RGB, rows from the top.
+    pub fn radiance(&self) -> Result<Vec<Vec3>> {
+        self.read(BufferId::Radiance)
+    }
+}

@@ -1,0 +1,148 @@
+//! Records the frames of one scene into command buffers; whoever submits them decides when to wait.
+
+use super::history::History;
+use super::pass::{Step, barriers};
+use super::pipelines::Pipelines;
+use super::schedule::{Work, schedule};
+use crate::error::{Error, Result};
+use crate::gpu_scene::GpuScene;
+use crate::vulkan::{Buffer, Device, Memory, PushSet, Timestamps, debug_label, memory_barrier};
+use ash::vk;
+use glam::Vec3;
+use shared::camera::Camera;
+use shared::frame::{FrameConstants, Settings};
+use shared::interface::frame_binding;
+
+use vk::{AccessFlags as Access, PipelineStageFlags as PipelineStage};
+
+/// What a frame is made with, beside its camera.
+#[derive(Clone, Copy, Debug)]
+pub struct FrameOptions {
+    pub work: Work,
+    pub seed: u32,
+    /// Factor from nit to display values.
+    pub exposure: f32,
+    /// Radiance of what lies behind the scene, nit.
+    pub background: Vec3,
+}
+
+/// A scene with the pipelines that its frames need.
+pub struct Recorder {
+    device: Device,
+    scene: GpuScene,
+    pipelines: Pipelines,
+    constants: Buffer,
+}
+
+impl Recorder {
+    pub fn new(device: &Device, scene: GpuScene) -> Result<Self> {
+        let usage = vk::BufferUsageFlags::UNIFORM_BUFFER;
+        let bytes = size_of::<FrameConstants>() as u64;
+        Ok(Recorder {
+            pipelines: Pipelines::new(device, scene.set().layout(), scene.features())?,
+            constants: Buffer::new(device, "frame constants", bytes, usage, Memory::Device)?,
+            device: device.clone(),
+            scene,
+        })
+    }
+
+    pub fn scene(&self) -> &GpuScene {
+        &self.scene
+    }
+
+    /// Records the next frame of `history`. Commands of earlier frames, submitted or recorded before, come first; later
+    /// copies see the results. The scene and the history must outlive the commands.
+    pub fn record(
+        &mut self,
+        cmd: vk::CommandBuffer,
+        history: &mut History,
+        camera: Camera,
+        options: &FrameOptions,
+        timestamps: &mut Timestamps,
+    ) -> Result<()> {
+        let settings = match options.work {
+            Work::Restir(settings) => settings,
+            Work::Reference { .. } => Settings { reservoirs: 0, ..Settings::default() },
+        };
+        if settings.reservoirs > history.reservoirs() {
+            let (asked, has) = (settings.reservoirs, history.reservoirs());
+            return Err(Error::Usage(format!(
+                "{asked} reservoirs a pixel asked of a renderer made for {has}"
+            )));
+        }
+        let constants = FrameConstants {
+            camera,
+            previous_camera: history.previous_camera.unwrap_or(camera),
+            size: history.size(),
+            index: history.index,
+            seed: options.seed,
+            settings,
+            exposure: options.exposure,
+            background: options.background,
+            environment_size: self.scene.environment_size(),
+        };
+        let (steps, next) = schedule(&options.work, history.rotation);
+        for step in &steps {
+            self.pipelines.prepare(step.pass)?;
+        }
+        self.record_steps(cmd, history, &constants, &steps, timestamps)?;
+        history.rotation = next;
+        history.index += 1;
+        history.previous_camera = Some(camera);
+        Ok(())
+    }
+
+    fn record_steps(
+        &self,
+        cmd: vk::CommandBuffer,
+        history: &History,
+        constants: &FrameConstants,
+        steps: &[Step],
+        timestamps: &mut Timestamps,
+    ) -> Result<()> {
+        let shaders = PipelineStage::COMPUTE_SHADER | PipelineStage::RAY_TRACING_SHADER_KHR;
+        let device = &self.device;
+        // The frame before may still read its constants, or be copied from.
+        let readers = (shaders | PipelineStage::TRANSFER, Access::empty());
+        memory_barrier(device, cmd, readers, readers);
+        // SAFETY: `cmd` is recording, and the buffer has the size of the constants, a multiple of 4 below 64 KiB.
+        unsafe { device.cmd_update_buffer(cmd, self.constants.handle(), 0, bytemuck::bytes_of(constants)) };
+        let written = (PipelineStage::TRANSFER, Access::TRANSFER_WRITE);
+        memory_barrier(device, cmd, written, (shaders, Access::UNIFORM_READ));
+        timestamps.begin(cmd);
+        for (step, wait) in steps.iter().zip(barriers(steps)) {
+            if wait {
+                let (read, write) = (Access::SHADER_READ, Access::SHADER_WRITE);
+                memory_barrier(device, cmd, (shaders, write), (shaders, read | write));
+            }
+            let stem = step.pass.stem;
+            debug_label(device, cmd, stem, || self.record_step(cmd, history, constants, step))?;
+            timestamps.write(cmd, stem);
+        }
+        let copies = (PipelineStage::TRANSFER, Access::TRANSFER_READ);
+        memory_barrier(device, cmd, (shaders, Access::SHADER_WRITE), copies);
+        Ok(())
+    }
+
+    fn record_step(
+        &self,
+        cmd: vk::CommandBuffer,
+        history: &History,
+        constants: &FrameConstants,
+        step: &Step,
+    ) -> Result<()> {
+        let Some(pass) = self.pipelines.get(step.pass) else {
+            return Err(Error::Usage(format!("pass '{}' was not prepared", step.pass.stem)));
+        };
+        let mut set = PushSet::new().uniform_buffer(frame_binding::CONSTANTS, &self.constants);
+        for (&(role, _), &buffer) in step.pass.uses.iter().zip(&step.buffers) {
+            set = set.storage_buffer(role.binding(), history.targets.get(buffer));
+        }
+        let pipeline = pass.pipeline();
+        pipeline.bind(cmd);
+        pipeline.bind_set(cmd, shared::interface::scene_binding::SET, self.scene.set());
+        pipeline.push_set(cmd, frame_binding::SET, &set);
+        pipeline.push_constants(cmd, &step.constants);
+        pass.launch(cmd, step.pass, constants.size, &constants.settings)
+    }
+}
