@@ -10,4 +10,5 @@ pub mod measure;
 pub mod scene;
 pub mod settings_file;
 pub mod shader_library;
+pub mod viewer;
 pub mod vulkan;

@@ -11,14 +11,19 @@ use std::path::PathBuf;
 
 /// Direct lighting from thousands to millions of lights: ReSTIR DI on Vulkan ray tracing, every shader in Rust.
 #[derive(Debug, Parser)]
-#[command(version)]
+#[command(version, args_conflicts_with_subcommands = true)]
 pub struct Cli {
     #[command(subcommand)]
-    pub command: Command,
+    pub command: Option<Command>,
+    /// Without a command: the viewer.
+    #[command(flatten)]
+    pub view: ViewArgs,
 }
 
 #[derive(Debug, Subcommand)]
 pub enum Command {
+    /// Open a window on a scene (what happens without a command).
+    View(ViewArgs),
     /// Render a picture with ReSTIR.
     Render(RenderArgs),
     /// Render the truth: every light of every pixel, without resampling.
@@ -83,6 +88,29 @@ pub struct PictureArgs {
     /// Stops brighter (+) or darker (-) than the automatic exposure.
     #[arg(long, default_value_t = 0.0, allow_hyphen_values = true)]
     pub exposure: f32,
+}
+
+#[derive(Args, Clone, Debug)]
+pub struct ViewArgs {
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    #[command(flatten)]
+    pub device: DeviceArgs,
+    #[command(flatten)]
+    pub knobs: KnobArgs,
+    /// Width x height of the window in pixels.
+    #[arg(long, default_value = "1280x720", value_parser = parse_size)]
+    pub size: UVec2,
+    /// A camera of the scene by name or number, or `x,y,z,tx,ty,tz[,fov]`: position and target in m, vertical field of
+    /// view in degrees.
+    #[arg(long, allow_hyphen_values = true)]
+    pub camera: Option<String>,
+    /// Stops brighter (+) or darker (-) than the automatic exposure.
+    #[arg(long, default_value_t = 0.0, allow_hyphen_values = true)]
+    pub exposure: f32,
+    /// Commands that the viewer plays by itself, for tests.
+    #[arg(long, value_name = "FILE", hide = true)]
+    pub script: Option<PathBuf>,
 }
 
 #[derive(Args, Clone, Debug)]
@@ -323,7 +351,7 @@ mod tests {
     fn render(line: &str) -> Result<RenderArgs, clap::Error> {
         let cli = Cli::try_parse_from(["candela", "render"].into_iter().chain(line.split(' ')))?;
         match cli.command {
-            Command::Render(args) => Ok(args),
+            Some(Command::Render(args)) => Ok(args),
             _ => unreachable!(),
         }
     }
@@ -364,6 +392,19 @@ mod tests {
         assert_eq!((s.radius, s.depth_threshold), (10.0, 0.2));
         assert!((s.normal_threshold - 0.5).abs() < 1e-6);
         assert_eq!((args.scene.light_count(), args.picture.size), (7, UVec2::new(64, 48)));
+    }
+
+    #[test]
+    fn the_viewer_needs_no_command() {
+        let parse = |line: &str| Cli::try_parse_from(line.split(' ')).unwrap();
+        let cli = parse("candela");
+        assert!(cli.command.is_none() && cli.view.scene.source() == SceneSource::Atrium);
+        let cli = parse("candela a.glb 7 --candidates 8 --camera=-1,2,3,4,5,6");
+        assert!(cli.command.is_none() && cli.view.knobs.candidates == Some(8));
+        assert_eq!((cli.view.scene.light_count(), cli.view.camera.as_deref()), (7, Some("-1,2,3,4,5,6")));
+        let Some(Command::View(args)) = parse("candela view a.glb 7").command else { panic!("no view") };
+        assert_eq!(args.scene.scene, PathBuf::from("a.glb"));
+        assert!(matches!(parse("candela info a.glb").command, Some(Command::Info(_))));
     }
 
     #[test]

@@ -11,13 +11,16 @@ mod render;
 mod report;
 mod sweep;
 pub(crate) mod view;
+mod window;
 
 use crate::error::Result;
 use args::{Cli, Command};
 
 /// Runs one command.
 pub fn run(cli: Cli) -> Result<()> {
-    match cli.command {
+    let Some(command) = cli.command else { return window::run(&cli.view) };
+    match command {
+        Command::View(args) => window::run(&args),
         Command::Render(args) => render::run(&args),
         Command::Reference(args) => reference::run(&args),
         Command::Info(args) => info::run(&args),

@@ -58,6 +58,16 @@ impl History {
         self.previous_camera = None;
     }
 
+    /// The G-buffer of the last frame.
+    pub fn gbuffer(&self) -> &Buffer {
+        self.target(self.rotation.last_gbuffer())
+    }
+
+    /// The reservoirs that the last frame shaded.
+    pub fn shaded_reservoirs(&self) -> &Buffer {
+        self.target(self.rotation.last_reservoirs())
+    }
+
     pub fn target(&self, id: BufferId) -> &Buffer {
         self.targets.get(id)
     }

@@ -46,6 +46,16 @@ impl Rotation {
     fn other(self, which: usize) -> usize {
         (self.history + 1 + which) % 3
     }
+
+    /// The G-buffer of the frame before.
+    pub fn last_gbuffer(self) -> BufferId {
+        BufferId::GBuffer(1 - self.gbuffer)
+    }
+
+    /// The reservoirs that the frame before shaded.
+    pub fn last_reservoirs(self) -> BufferId {
+        BufferId::Reservoirs(self.history)
+    }
 }
 
 struct Frame {
@@ -157,7 +167,8 @@ mod tests {
                     }
                 }
             }
-            assert_eq!(content[&BufferId::Reservoirs(next.history)], (frame, last_reservoirs));
+            assert_eq!(content[&next.last_reservoirs()], (frame, last_reservoirs));
+            assert_eq!(content[&next.last_gbuffer()], (frame, "gbuffer"));
             rotation = next;
         }
     }

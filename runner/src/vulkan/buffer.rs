@@ -196,6 +196,25 @@ impl Buffer {
         memory_barrier(&self.device, cmd, (Stage::TRANSFER, Access::TRANSFER_WRITE), after);
     }
 
+    /// Records a copy of `size` bytes at `from` to `to` in `target`; both ranges must exist. The caller orders it among
+    /// other commands.
+    pub fn record_copy_range(
+        &self,
+        cmd: vk::CommandBuffer,
+        from: u64,
+        target: &Buffer,
+        to: u64,
+        size: u64,
+    ) -> Result<()> {
+        if from + size > self.size.max(MIN_SIZE) || to + size > target.size.max(MIN_SIZE) {
+            return Err(self.out_of_range("copy", from, size as usize));
+        }
+        let region = vk::BufferCopy::default().src_offset(from).dst_offset(to).size(size);
+        // SAFETY: `cmd` is recording; the ranges lie inside buffers that allow copies.
+        unsafe { self.device.cmd_copy_buffer(cmd, self.handle, target.handle, &[region]) };
+        Ok(())
+    }
+
     fn mapped(&self) -> Option<&[u8]> {
         self.allocation.as_ref().and_then(Allocation::mapped_slice)
     }

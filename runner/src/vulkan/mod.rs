@@ -1,5 +1,5 @@
 //! Vulkan, as thin as safety allows. Reading order: `device`, `buffer`, `image`, `commands`, `upload`,
-//! `acceleration`, `descriptors`, `pipeline`, `ray_pipeline`, `timing`.
+//! `acceleration`, `descriptors`, `pipeline`, `ray_pipeline`, `timing`; for windows `surface`, `swapchain`.
 //!
 //! Recording takes raw `vk::CommandBuffer`s: whoever records keeps what the commands use alive until they have run.
 
@@ -15,6 +15,8 @@ mod physical;
 pub mod pipeline;
 pub mod ray_pipeline;
 pub mod shader_table;
+pub mod surface;
+pub mod swapchain;
 pub mod timing;
 pub mod upload;
 

@@ -49,6 +49,17 @@ impl Timestamps {
         }
     }
 
+    /// The first label that the device has not got past, without waiting: where it is, or where it was lost.
+    pub fn unfinished(&self) -> Option<&'static str> {
+        let pool = self.pool?;
+        // A value and whether it is there.
+        let mut stamps = vec![[0u64; 2]; self.labels.len() + 1];
+        let flags = vk::QueryResultFlags::TYPE_64 | vk::QueryResultFlags::WITH_AVAILABILITY;
+        // SAFETY: the frame has reset these queries. A lost device may refuse, and then has told nothing.
+        let _ = unsafe { self.device.get_query_pool_results(pool, 0, &mut stamps, flags) };
+        self.labels.iter().zip(&stamps[1..]).find(|(_, stamp)| stamp[1] == 0).map(|(label, _)| *label)
+    }
+
     fn stamp(&self, cmd: vk::CommandBuffer, pool: vk::QueryPool, query: u32) {
         let stage = vk::PipelineStageFlags::BOTTOM_OF_PIPE;
         // SAFETY: `cmd` is recording, the query exists and was reset.
@@ -101,6 +112,23 @@ mod tests {
         assert_eq!(elapsed(0xffff_fff0, 0xabc_0000_0010, 32), 32.0);
     }
 
+    /// A frame that stopped after its first pass, as a lost device's does, names the second.
+    #[test]
+    fn the_pass_that_was_not_finished_is_named() {
+        with_device(|device| {
+            let mut times = Timestamps::new(device, 2).unwrap();
+            device
+                .submit_once("half a frame", |cmd| {
+                    times.begin(cmd);
+                    times.write(cmd, "first");
+                    Ok(())
+                })
+                .unwrap();
+            times.labels.push("second");
+            assert_eq!(times.unfinished(), times.pool.map(|_| "second"));
+        });
+    }
+
     /// Frames in flight, each with its own timestamps.
     #[test]
     fn frames_are_timed() {
@@ -123,6 +151,7 @@ mod tests {
                 let Some(read) = times.read().unwrap() else { return };
                 assert_eq!(read.iter().map(|(label, _)| *label).collect::<Vec<_>>(), ["first", "second"]);
                 assert!(read.iter().all(|(_, ms)| (0.0..60_000.0).contains(ms)), "{read:?}");
+                assert_eq!(times.unfinished(), None);
             }
         });
     }

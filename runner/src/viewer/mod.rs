@@ -1,0 +1,71 @@
+//! The viewer: a window on a scene. Reading order: `input`, `knobs`, `views`, `camera` and `state` know no window and no
+//! device; `loader` reads scenes beside the frames; `frames` says what is rendered, `gui` and `screen` show it, `panels`
+//! lay out the interface; `app` ties them to winit.
+
+mod app;
+mod camera;
+mod frames;
+mod gui;
+mod input;
+mod knobs;
+mod loader;
+mod notices;
+mod panels;
+mod probe;
+mod screen;
+mod screenshot;
+mod script;
+mod state;
+mod timings;
+mod views;
+
+pub use loader::Source;
+pub use script::Script;
+
+use crate::error::{Error, Result};
+use crate::scene::{SceneCamera, SceneDescription};
+use crate::settings_file::SettingsFile;
+use crate::vulkan::surface::window_extensions;
+use crate::vulkan::{Device, DeviceOptions};
+use glam::UVec2;
+use winit::event_loop::EventLoop;
+
+/// What the window starts with.
+pub struct Start {
+    pub device: Device,
+    pub scene: SceneDescription,
+    pub source: Source,
+    pub camera: SceneCamera,
+    pub settings: SettingsFile,
+    /// Of the window, pixels.
+    pub size: UVec2,
+    /// Stops from the automatic exposure.
+    pub stops: f32,
+    pub script: Script,
+}
+
+/// A connection to the display, and a device that can draw to it.
+pub struct Display {
+    event_loop: EventLoop<()>,
+    pub device: Device,
+}
+
+impl Display {
+    pub fn open(options: DeviceOptions) -> Result<Display> {
+        let event_loop = EventLoop::new().map_err(|_| {
+            Error::Usage("no display to open a window on; candela render works without one".into())
+        })?;
+        let window_extensions = window_extensions(&event_loop)?;
+        let device = Device::new(&DeviceOptions { window_extensions, ..options })?;
+        Ok(Display { event_loop, device })
+    }
+
+    /// Shows the window until it is closed.
+    pub fn run(self, start: Start) -> Result<()> {
+        let mut app = app::App::new(start);
+        self.event_loop
+            .run_app(&mut app)
+            .map_err(|e| Error::Usage(format!("the window system failed: {e}")))?;
+        app.failure.take().map_or(Ok(()), Err)
+    }
+}

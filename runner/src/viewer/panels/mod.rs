@@ -1,0 +1,57 @@
+//! The interface: one panel at the left with sections, messages at the bottom, the help over all.
+
+mod camera;
+mod help;
+mod inspector;
+mod knobs;
+mod messages;
+mod picture;
+mod times;
+
+use super::app::SceneFacts;
+use super::notices::Notices;
+use super::probe::Probe;
+use super::state::{Action, State};
+use super::timings::Timings;
+use crate::vulkan::Device;
+use ash::vk;
+use egui::{CollapsingHeader, Panel, ScrollArea, Ui};
+
+/// What the panels tell.
+pub struct Info<'a> {
+    pub scene: &'a SceneFacts,
+    pub device: &'a Device,
+    pub timings: &'a Timings,
+    pub probe: Option<&'a Probe>,
+    pub mode: vk::PresentModeKHR,
+    /// Device memory of the picture-sized buffers, bytes.
+    pub picture_bytes: u64,
+    /// What is being loaded, and for how many seconds.
+    pub loading: Option<(String, f32)>,
+    pub notices: &'a mut Notices,
+}
+
+/// Lays everything out; what the user asks for goes to `state`, or to `actions` where that can't do it.
+pub fn show(ui: &mut Ui, state: &mut State, info: &mut Info, actions: &mut Vec<Action>) {
+    messages::show(ui, info);
+    if state.panels {
+        Panel::left("panel").resizable(false).exact_size(270.0).show(ui, |ui| {
+            ScrollArea::vertical().show(ui, |ui| {
+                section(ui, "Knobs", true, |ui| knobs::show(ui, state, actions));
+                section(ui, "Picture", true, |ui| picture::show(ui, state, actions));
+                section(ui, "Times", true, |ui| times::show(ui, info));
+                section(ui, "Camera", false, |ui| camera::show(ui, state, actions));
+                if state.picked.is_some() {
+                    section(ui, "Pixel", true, |ui| inspector::show(ui, state, info));
+                }
+            });
+        });
+    }
+    if state.help {
+        help::show(ui, state);
+    }
+}
+
+fn section(ui: &mut Ui, name: &str, open: bool, content: impl FnOnce(&mut Ui)) {
+    CollapsingHeader::new(name).default_open(open).show(ui, content);
+}
