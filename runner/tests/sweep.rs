@@ -27,12 +27,12 @@ impl Drop for Folder {
 
 /// (name, content, time of the last change) of every finished point.
 fn finished(directory: &Path) -> Vec<(String, Vec<u8>, std::time::SystemTime)> {
-    let cache = std::fs::read_dir(directory.join("cache")).unwrap();
-    let points = cache.map(|entry| entry.unwrap()).filter_map(|entry| {
-        let name = entry.file_name().into_string().unwrap();
-        let changed = entry.metadata().unwrap().modified().unwrap();
-        (name.starts_with("point-") && name.ends_with(".json"))
-            .then(|| (name, std::fs::read(entry.path()).unwrap(), changed))
+    let cache = std::fs::read_dir(directory.join("cache")).expect("the folder is there");
+    let points = cache.map(|entry| entry.expect("it can be listed")).filter_map(|entry| {
+        let name = entry.file_name().into_string().expect("ASCII names");
+        let changed = entry.metadata().and_then(|m| m.modified()).expect("files have dates");
+        let content = || std::fs::read(entry.path()).expect("it can be read");
+        (name.starts_with("point-") && name.ends_with(".json")).then(|| (name, content(), changed))
     });
     points.collect()
 }
@@ -114,7 +114,7 @@ impl Table {
     }
 
     fn text<'a>(&self, row: &'a [String], column: &str) -> &'a str {
-        &row[self.header.iter().position(|name| name == column).unwrap()]
+        &row[self.header.iter().position(|name| name == column).expect("a column of that name")]
     }
 
     fn number(&self, row: &[String], column: &str) -> f64 {
@@ -124,16 +124,12 @@ impl Table {
 
 /// Of a line of CSV; commas between quotes are text.
 fn cells(line: &str) -> Vec<String> {
-    let mut cells = vec![String::new()];
     let mut quoted = false;
-    for c in line.chars() {
-        match c {
-            '"' => quoted = !quoted,
-            ',' if !quoted => cells.push(String::new()),
-            _ => cells.last_mut().unwrap().push(c),
-        }
-    }
-    cells
+    let ends_cell = |c: char| {
+        quoted ^= c == '"';
+        c == ',' && !quoted
+    };
+    line.split(ends_cell).map(|cell| cell.replace('"', "")).collect()
 }
 
 #[test]

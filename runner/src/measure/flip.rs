@@ -21,7 +21,7 @@ const FEATURE_WIDTH: f64 = 0.082;
 /// The error of each pixel, 0..=1, between two pictures of display values (sRGB-encoded, 0..=1), rows from the top.
 pub fn map(reference: &[Vec3], test: &[Vec3], size: UVec2, pixels_per_degree: f64) -> Vec<f32> {
     let pictures = [reference, test].map(|p| {
-        let pixels = p.iter().map(|&c| opponent(linear(c))).collect();
+        let pixels = each(p, |&c| opponent(linear(c)));
         Plane { pixels, width: size.x as usize, height: size.y as usize }
     });
     let seen = pictures.each_ref().map(|p| perceived(p, pixels_per_degree));
@@ -100,7 +100,15 @@ fn perceived(picture: &Plane, pixels_per_degree: f64) -> Vec<Vec3> {
         let scale = amplitudes[i] / total;
         picture.filtered(&parts[i].iter().map(|w| (*w * scale).as_vec3()).collect::<Vec<_>>(), &down).pixels
     });
-    filtered[0].iter().zip(&filtered[1]).map(|(a, b)| hunt(lab(from_opponent(*a + *b)))).collect()
+    let from_xyz = TO_XYZ.inverse();
+    let mut seen = vec![Vec3::ZERO; picture.pixels.len()];
+    in_rows(&mut seen, picture.width, |y, row| {
+        let first = y * picture.width;
+        for (i, seen) in (first..).zip(row) {
+            *seen = hunt(lab(from_xyz * from_opponent(filtered[0][i] + filtered[1][i])));
+        }
+    });
+    seen
 }
 
 /// Edges and points of the achromatic channel (section 4.3).
@@ -165,20 +173,21 @@ fn lab(linear: Vec3) -> Vec3 {
         const DELTA: f32 = 6.0 / 29.0;
         if t > DELTA.powi(3) { t.cbrt() } else { t / (3.0 * DELTA * DELTA) + 4.0 / 29.0 }
     };
-    let xyz = to_xyz() * linear.clamp(Vec3::ZERO, Vec3::ONE) / white();
+    let xyz = TO_XYZ * linear.clamp(Vec3::ZERO, Vec3::ONE) / white();
     let (x, y, z) = (f(xyz.x), f(xyz.y), f(xyz.z));
     Vec3::new(116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z))
 }
 
 /// Linear RGB -> Y Cx Cz, the linear opponent space of section 4.1.
 fn opponent(linear: Vec3) -> Vec3 {
-    let c = to_xyz() * linear / white();
+    let c = TO_XYZ * linear / white();
     Vec3::new(116.0 * c.y - 16.0, 500.0 * (c.x - c.y), 200.0 * (c.y - c.z))
 }
 
+/// Y Cx Cz -> XYZ.
 fn from_opponent(c: Vec3) -> Vec3 {
     let y = (c.x + 16.0) / 116.0;
-    to_xyz().inverse() * (Vec3::new(y + c.y / 500.0, y, y - c.z / 200.0) * white())
+    Vec3::new(y + c.y / 500.0, y, y - c.z / 200.0) * white()
 }
 
 /// IEC 61966-2-1.
@@ -188,22 +197,32 @@ fn linear(encoded: Vec3) -> Vec3 {
 }
 
 /// Linear sRGB -> CIE XYZ (D65).
-fn to_xyz() -> Mat3 {
-    Mat3::from_cols(
-        Vec3::new(0.412_386_57, 0.212_636_82, 0.019_330_62),
-        Vec3::new(0.357_591_5, 0.715_183, 0.119_197_16),
-        Vec3::new(0.180_450_46, 0.072_180_2, 0.950_372_6),
-    )
-}
+const TO_XYZ: Mat3 = Mat3::from_cols(
+    Vec3::new(0.412_386_57, 0.212_636_82, 0.019_330_62),
+    Vec3::new(0.357_591_5, 0.715_183, 0.119_197_16),
+    Vec3::new(0.180_450_46, 0.072_180_2, 0.950_372_6),
+);
 
 fn white() -> Vec3 {
-    to_xyz() * Vec3::ONE
+    TO_XYZ * Vec3::ONE
+}
+
+/// `f` of each, on all processors.
+fn each<A: Sync, B: Send + Clone + Default>(values: &[A], f: impl Fn(&A) -> B + Sync) -> Vec<B> {
+    const BLOCK: usize = 1024;
+    let mut results = vec![B::default(); values.len()];
+    in_rows(&mut results, BLOCK, |block, row| {
+        for (result, value) in row.iter_mut().zip(&values[block * BLOCK..]) {
+            *result = f(value);
+        }
+    });
+    results
 }
 
 /// Fills `out` row by row on all processors.
 fn in_rows<T: Send>(out: &mut [T], width: usize, fill: impl Fn(usize, &mut [T]) + Sync) {
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
-    let rows = (out.len() / width.max(1)).div_ceil(threads).max(1);
+    let rows = out.len().div_ceil(width.max(1)).div_ceil(threads).max(1);
     std::thread::scope(|scope| {
         for (block, chunk) in out.chunks_mut(rows * width.max(1)).enumerate() {
             let fill = &fill;
