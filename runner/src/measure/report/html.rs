@@ -57,7 +57,10 @@ fn section(page: &mut String, results: &Results, group: &Group) {
     page.push_str("</div>\n");
     if let Some(table) = results.plan.accumulate.as_ref().and_then(|a| tables::equal_time(group, &a.targets))
     {
-        write_table(page, "Equal time", &table);
+        write_table(page, "Time to an error", &table);
+    }
+    if let Some(table) = tables::error_after(group) {
+        write_table(page, "Error after a time", &table);
     }
     for (name, rows) in group.series() {
         write_table(page, name, &tables::series(&rows));

@@ -88,6 +88,9 @@ fn blocks(results: &Results, stem: &str, folder: &str) -> (String, Vec<Picture>)
         if let Some(table) = equal {
             write_table(&mut text, &table);
         }
+        if let Some(table) = tables::error_after(&group) {
+            write_table(&mut text, &table);
+        }
         let sentences = verdict::sentences(results, &group);
         if !sentences.is_empty() {
             text.push('\n');

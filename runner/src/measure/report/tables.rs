@@ -1,6 +1,6 @@
 //! Tables as cells, for pages of either kind.
 
-use super::verdict::{Arm, arms};
+use super::verdict::{Arm, arms, error_at};
 use super::{Group, passes, significant};
 use crate::measure::statistics::Interval;
 use crate::measure::sweep::Row;
@@ -60,6 +60,21 @@ pub(super) fn equal_time(group: &Group, targets: &[f64]) -> Option<Table> {
         cells
     };
     Some(std::iter::once(header).chain(arms.iter().map(row)).collect())
+}
+
+/// relMSE after parts of the time that all arms have, an arm a row.
+pub(super) fn error_after(group: &Group) -> Option<Table> {
+    let arms = arms(group, &[]);
+    let curves: Vec<_> = arms.iter().filter_map(|arm| arm.row.measured.as_ref().map(|m| &m.curve)).collect();
+    let all = curves.iter().filter_map(|c| c.last()).map(|p| p.ms).reduce(f64::min)?;
+    let times = [1.0 / 64.0, 1.0 / 16.0, 1.0 / 4.0, 1.0].map(|part| part * all);
+    let mut header = vec!["relMSE after ms".to_owned()];
+    header.extend(times.map(significant));
+    let row = |(arm, curve): (&Arm, &&Vec<_>)| {
+        let cells = times.map(|ms| error_at(curve, ms).map_or("no frame yet".into(), significant));
+        std::iter::once(arm.row.label.clone()).chain(cells).collect()
+    };
+    Some(std::iter::once(header).chain(arms.iter().zip(&curves).map(row)).collect())
 }
 
 fn time(ms: f64) -> String {

@@ -15,6 +15,18 @@ pub fn time_to(curve: &[CurvePoint], target: f64) -> Option<f64> {
     Some((before.ms.ln() + t * (here.ms / before.ms).ln()).exp())
 }
 
+/// relMSE of the mean of what is done after `ms`, along the same lines; none before the first frame ends and after the last.
+pub fn error_at(curve: &[CurvePoint], ms: f64) -> Option<f64> {
+    let at = curve.iter().position(|p| p.ms >= ms)?;
+    let here = &curve[at];
+    if here.ms == ms {
+        return Some(here.rel_mse.mean);
+    }
+    let before = &curve[at.checked_sub(1)?];
+    let t = (ms / before.ms).ln() / (here.ms / before.ms).ln();
+    Some(before.rel_mse.mean * (here.rel_mse.mean / before.rel_mse.mean.max(f64::MIN_POSITIVE)).powf(t))
+}
+
 /// One arm's way to each target.
 pub(super) struct Arm<'a> {
     pub row: &'a Row,
@@ -90,6 +102,10 @@ mod tests {
             let t = time_to(&curve, target).unwrap();
             assert!((t - 1.0 / target).abs() < 1e-9, "{target}: {t}");
         }
+        for ms in [1.0, 1.5, 4.0, 8.0] {
+            assert!((error_at(&curve, ms).unwrap() - 1.0 / ms).abs() < 1e-9);
+        }
+        assert_eq!((error_at(&curve, 0.9), error_at(&curve, 8.1)), (None, None));
         assert_eq!(time_to(&curve, 3.0), Some(1.0));
         assert_eq!(time_to(&curve, 0.1), None);
         assert_eq!(time_to(&[], 1.0), None);
