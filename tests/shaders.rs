@@ -103,7 +103,8 @@ fn element(set: u32, binding: u32) -> Option<(&'static str, usize)> {
         (frame::SET, frame::RESERVOIRS_IN | frame::RESERVOIRS_OUT | frame::RESERVOIRS_HISTORY) => {
             ("uuff", size_of::<StoredReservoir>())
         }
-        (frame::SET, frame::RADIANCE) => ("fff", 12),
+        (frame::SET, frame::RADIANCE | frame::MEAN | frame::REFERENCE) => ("fff", 12),
+        (frame::SET, frame::STATISTICS) => ("fff", 12),
         (frame::SET, frame::DISPLAY) => ("u", 4),
         (frame::SET, frame::TILE_ENTRIES) => ("fffuuufu", size_of::<TileEntry>()),
         (frame::SET, frame::TILE_POINTS) => ("u", 4),

@@ -15,6 +15,7 @@ macro_rules! modules {
 
 modules! {
     "gbuffer" "initial" "temporal" "spatial" "shade" "tonemap" "reference"
+    "accumulate" "view" "statistics"
     "presample" "initial_tiled" "temporal_unbiased" "spatial_unbiased"
     "closest_hit" "primary_any_hit" "shadow_any_hit" "primary_miss" "shadow_miss"
 }

@@ -4,6 +4,7 @@
 // An entry's arguments are its bindings.
 #![allow(clippy::too_many_arguments)]
 
+pub mod accumulate;
 pub mod gbuffer;
 pub mod hit;
 pub mod initial;
@@ -13,8 +14,10 @@ pub mod reference;
 pub mod shade;
 pub mod spatial;
 pub mod spatial_unbiased;
+pub mod statistics;
 pub mod temporal;
 pub mod temporal_unbiased;
 pub mod textures;
 pub mod tonemap;
 pub mod trace;
+pub mod view;

@@ -38,8 +38,10 @@ pub fn view(
     if frame.settings.reservoirs > 0 {
         shown.reservoir = reservoirs[index];
     }
-    if constants.view == view::kind::MEAN || constants.view == view::kind::DIFFERENCE {
+    if constants.count > 0 {
         shown.mean = mean[index];
+    }
+    if constants.view == view::kind::DIFFERENCE {
         shown.reference = reference[index];
     }
     if constants.view == view::kind::VISIBILITY && !texel.is_empty() {

@@ -39,6 +39,11 @@ pub struct PassConstants {
     /// Reference: the range of lights to add.
     pub first_light: u32,
     pub light_count: u32,
+    /// View: one of [`crate::view::kind`], and the measure of distances, m.
+    pub view: u32,
+    pub scale: f32,
+    /// Frames in the running mean, this one included; 0: there is none.
+    pub count: u32,
 }
 
 /// Miss shaders in the order of the shader binding table.
@@ -83,6 +88,10 @@ pub mod frame_binding {
     pub const DISPLAY: u32 = 7;
     pub const TILE_ENTRIES: u32 = 8;
     pub const TILE_POINTS: u32 = 9;
+    /// The viewer's: mean over frames, the reference's, sums over blocks of pixels.
+    pub const MEAN: u32 = 10;
+    pub const REFERENCE: u32 = 11;
+    pub const STATISTICS: u32 = 12;
 }
 
 /// Threads of a compute pass's workgroup, in x and y.

@@ -25,7 +25,7 @@
 //!
 //! Reading order: [`math`], [`rng`], [`pdf`], [`sampling`], [`alias_table`], [`environment`], [`light`], [`camera`],
 //! [`frame`], [`geometry`], [`material`], [`ray_cone`], [`alpha`], [`surface`], [`bsdf`], [`target`], [`shadow`],
-//! [`reservoir`], [`resampling`], [`shading`], [`reference`], [`tonemap`], [`interface`].
+//! [`reservoir`], [`resampling`], [`shading`], [`reference`], [`tonemap`], [`view`], [`statistics`], [`interface`].
 #![cfg_attr(target_arch = "spirv", no_std)]
 
 pub mod alias_table;
@@ -48,8 +48,10 @@ pub mod rng;
 pub mod sampling;
 pub mod shading;
 pub mod shadow;
+pub mod statistics;
 pub mod surface;
 pub mod target;
 pub mod tonemap;
+pub mod view;
 
 pub use glam;

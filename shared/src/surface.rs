@@ -81,6 +81,21 @@ impl GBufferTexel {
         unpack_direction(self.normal)
     }
 
+    pub fn geometric_normal(&self) -> Vec3 {
+        unpack_direction(self.geometric_normal)
+    }
+
+    /// Specular reflectance at normal incidence.
+    pub fn f0(&self) -> Vec3 {
+        let [_, br, gb] = self.reflectance;
+        Vec3::new(unpack_unorm16(br >> 16), unpack_unorm16(gb), unpack_unorm16(gb >> 16))
+    }
+
+    /// Perceptual roughness, 0..=1.
+    pub fn roughness(&self) -> f32 {
+        unpack_unorm16(self.roughness)
+    }
+
     /// Albedo of the diffuse lobe.
     pub fn diffuse(&self) -> Vec3 {
         let [rg, b, _] = self.reflectance;
@@ -91,18 +106,13 @@ impl GBufferTexel {
     pub fn unpack(&self, camera: &Camera, pixel: UVec2, size: UVec2) -> Surface {
         let direction = camera.direction(pixel.as_vec2() + 0.5, size);
         let distance = self.distance();
-        let [_, br, gb] = self.reflectance;
         Surface {
             position: camera.position + direction * distance,
             distance,
             wo: -direction,
-            geometric_normal: unpack_direction(self.geometric_normal),
+            geometric_normal: self.geometric_normal(),
             normal: self.normal(),
-            reflectance: Reflectance {
-                diffuse: self.diffuse(),
-                f0: Vec3::new(unpack_unorm16(br >> 16), unpack_unorm16(gb), unpack_unorm16(gb >> 16)),
-                roughness: unpack_unorm16(self.roughness),
-            },
+            reflectance: Reflectance { diffuse: self.diffuse(), f0: self.f0(), roughness: self.roughness() },
         }
     }
 }

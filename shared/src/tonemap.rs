@@ -7,7 +7,11 @@ use spirv_std::num_traits::Float;
 /// Display value (sRGB-encoded, 0..=1) of `radiance` (nit, linear Rec. 709) under `exposure` (1/nit).
 /// Curve: Khronos PBR Neutral (Khronos 2024), which leaves colors below 0.76 as they are.
 pub fn display(radiance: Vec3, exposure: f32) -> Vec3 {
-    let color = neutral(radiance.max(Vec3::ZERO) * exposure);
+    encode(neutral(radiance.max(Vec3::ZERO) * exposure))
+}
+
+/// sRGB-encoded, 0..=1, of a linear color.
+pub fn encode(color: Vec3) -> Vec3 {
     Vec3::new(srgb(color.x), srgb(color.y), srgb(color.z))
 }
 

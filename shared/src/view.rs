@@ -56,6 +56,20 @@ pub struct Pixel {
     pub reference: Vec3,
 }
 
+impl Pixel {
+    /// A pixel of which no more is known.
+    pub fn new(texel: GBufferTexel, radiance: Vec3) -> Self {
+        Pixel {
+            texel,
+            reservoir: StoredReservoir::default(),
+            unshadowed: Vec3::ZERO,
+            radiance,
+            mean: radiance,
+            reference: Vec3::ZERO,
+        }
+    }
+}
+
 /// (n - 1)/n of the mean of n - 1 frames and 1/n of the n-th. In f32 its rounding error grows like sqrt(n) ulp: far below
 /// the noise that is left after n frames.
 pub fn running_mean(mean: Vec3, radiance: Vec3, count: u32) -> Vec3 {
@@ -74,7 +88,7 @@ pub fn color(view: u32, scale: f32, frame: &FrameConstants, pixel: &Pixel) -> Ve
         _ if texel.is_empty() => Vec3::ZERO,
         kind::DISTANCE => Vec3::splat(safe_ratio(scale, scale + texel.distance())),
         kind::NORMAL => texel.normal() * 0.5 + 0.5,
-        kind::GEOMETRIC_NORMAL => texel.unpacked_geometric_normal() * 0.5 + 0.5,
+        kind::GEOMETRIC_NORMAL => texel.geometric_normal() * 0.5 + 0.5,
         kind::DIFFUSE => tonemap::encode(texel.diffuse()),
         kind::F0 => tonemap::encode(texel.f0()),
         kind::ROUGHNESS => Vec3::splat(texel.roughness()),
@@ -158,7 +172,7 @@ mod tests {
         assert!((mean - Vec3::new(4.0, 8.0, 0.0)).abs().max_element() < 1e-5);
     }
 
-    /// A thousand bright frames after one dark: the error stays near the f32 that holds the mean.
+    /// The error of a long mean stays near the f32 that holds it.
     #[test]
     fn long_means_do_not_drift() {
         let mut mean = Vec3::ZERO;
@@ -174,9 +188,14 @@ mod tests {
     #[test]
     fn heat_rises_and_differences_have_a_sign() {
         assert_eq!((heat(-1.0), heat(2.0)), (Vec3::ZERO, Vec3::ONE));
-        assert!((1..=100).all(|i| luminance(heat(i as f32 / 100.0)) > luminance(heat((i - 1) as f32 / 100.0))));
-        let (dark, equal, bright) =
-            (difference_color(Vec3::ONE, Vec3::splat(2.0), 1.0), difference_color(Vec3::ONE, Vec3::ONE, 1.0), difference_color(Vec3::splat(2.0), Vec3::ONE, 1.0));
+        assert!(
+            (1..=100).all(|i| luminance(heat(i as f32 / 100.0)) > luminance(heat((i - 1) as f32 / 100.0)))
+        );
+        let (dark, equal, bright) = (
+            difference_color(Vec3::ONE, Vec3::splat(2.0), 1.0),
+            difference_color(Vec3::ONE, Vec3::ONE, 1.0),
+            difference_color(Vec3::splat(2.0), Vec3::ONE, 1.0),
+        );
         assert!(dark.z > dark.x && bright.x > bright.z && equal == Vec3::ZERO);
         // A pixel that is black on screen either way.
         assert!(difference_color(Vec3::splat(1e-6), Vec3::ZERO, 1.0).max_element() < 0.01);

@@ -58,6 +58,15 @@ impl History {
         self.previous_camera = None;
     }
 
+    /// Makes room for a mean over frames; a frame that uses it must not be in flight.
+    pub fn make_mean(&mut self, device: &Device) -> Result<()> {
+        if self.targets.has_mean() { Ok(()) } else { self.targets.make_mean(device, self.size) }
+    }
+
+    pub fn has_mean(&self) -> bool {
+        self.targets.has_mean()
+    }
+
     /// The G-buffer of the last frame.
     pub fn gbuffer(&self) -> &Buffer {
         self.target(self.rotation.last_gbuffer())

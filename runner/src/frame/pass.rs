@@ -29,6 +29,10 @@ pub enum Role {
     Display,
     TileEntries,
     TilePoints,
+    /// The viewer's mean over frames, and the mean of the reference.
+    Mean,
+    Reference,
+    Statistics,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -47,6 +51,8 @@ pub enum Extent {
     Reservoirs,
     /// One for each entry of the light tiles.
     Tiles,
+    /// One for each block of [`shared::statistics::BLOCK`] x BLOCK pixels.
+    Blocks,
 }
 
 /// A pass. Its stem names the shader file, the host file, the entry point, the debug label, the timestamp and the
@@ -68,6 +74,10 @@ pub enum BufferId {
     Display,
     TileEntries,
     TilePoints,
+    Mean,
+    /// The mean of another history, which shows the reference.
+    Reference,
+    Statistics,
 }
 
 /// A pass at its place in a frame, with its buffers.
@@ -92,6 +102,9 @@ impl Role {
             Role::Display => frame_binding::DISPLAY,
             Role::TileEntries => frame_binding::TILE_ENTRIES,
             Role::TilePoints => frame_binding::TILE_POINTS,
+            Role::Mean => frame_binding::MEAN,
+            Role::Reference => frame_binding::REFERENCE,
+            Role::Statistics => frame_binding::STATISTICS,
         }
     }
 }

@@ -12,6 +12,7 @@ use glam::UVec2;
 use shared::frame::{Settings, features};
 use shared::interface::{PassConstants, WORKGROUP, frame_binding, spec_constant};
 use shared::light::tile::{TILE_SIZE, TILES};
+use shared::statistics::BLOCK;
 use std::collections::HashMap;
 use std::ffi::CString;
 
@@ -138,6 +139,7 @@ impl PassPipeline {
         let (size, depth) = match pass.extent {
             Extent::Pixels => (size, 1),
             Extent::Reservoirs => (size, settings.reservoirs),
+            Extent::Blocks => (UVec2::new(size.x.div_ceil(BLOCK), size.y.div_ceil(BLOCK)), 1),
             Extent::Tiles => (UVec2::new(TILE_SIZE, TILES), 1),
         };
         match self {
@@ -153,7 +155,7 @@ impl PassPipeline {
 /// The layout of set 1: constants, then a buffer for each role.
 fn frame_layout(device: &Device) -> Result<SetLayout> {
     let stages = vk::ShaderStageFlags::RAYGEN_KHR | vk::ShaderStageFlags::COMPUTE;
-    const ROLES: [Role; 9] = [
+    const ROLES: [Role; 12] = [
         Role::GBuffer,
         Role::PreviousGBuffer,
         Role::ReservoirsIn,
@@ -163,6 +165,9 @@ fn frame_layout(device: &Device) -> Result<SetLayout> {
         Role::Display,
         Role::TileEntries,
         Role::TilePoints,
+        Role::Mean,
+        Role::Reference,
+        Role::Statistics,
     ];
     let mut bindings =
         vec![Binding::one(frame_binding::CONSTANTS, vk::DescriptorType::UNIFORM_BUFFER, stages)];

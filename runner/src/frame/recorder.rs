@@ -1,9 +1,9 @@
 //! Records the frames of one scene into command buffers; whoever submits them decides when to wait.
 
 use super::history::History;
-use super::pass::{Step, barriers};
+use super::pass::{BufferId, Pass, Step, barriers};
 use super::pipelines::Pipelines;
-use super::schedule::{Work, schedule};
+use super::schedule::{Work, looks, schedule};
 use crate::error::{Error, Result};
 use crate::gpu_scene::GpuScene;
 use crate::vulkan::{Buffer, Device, Memory, PushSet, Timestamps, debug_label, memory_barrier};
@@ -11,9 +11,13 @@ use ash::vk;
 use glam::Vec3;
 use shared::camera::Camera;
 use shared::frame::{FrameConstants, Settings};
-use shared::interface::frame_binding;
+use shared::interface::{PassConstants, frame_binding};
 
 use vk::{AccessFlags as Access, PipelineStageFlags as PipelineStage};
+
+const SHADERS: PipelineStage = PipelineStage::from_raw(
+    PipelineStage::COMPUTE_SHADER.as_raw() | PipelineStage::RAY_TRACING_SHADER_KHR.as_raw(),
+);
 
 /// What a frame is made with, beside its camera.
 #[derive(Clone, Copy, Debug)]
@@ -32,6 +36,22 @@ pub struct Recorder {
     scene: GpuScene,
     pipelines: Pipelines,
     constants: Buffer,
+}
+
+/// Whose buffers stand behind the roles of a step.
+#[derive(Clone, Copy)]
+struct Seen<'a> {
+    history: &'a History,
+    reference: Option<&'a History>,
+}
+
+impl<'a> Seen<'a> {
+    fn buffer(self, id: BufferId) -> &'a Buffer {
+        match (id, self.reference) {
+            (BufferId::Reference, Some(reference)) => reference.target(BufferId::Mean),
+            _ => self.history.target(id),
+        }
+    }
 }
 
 impl Recorder {
@@ -62,7 +82,9 @@ impl Recorder {
     ) -> Result<()> {
         let settings = match options.work {
             Work::Restir(settings) => settings,
-            Work::Reference { .. } => Settings { reservoirs: 0, ..Settings::default() },
+            Work::Reference { .. } | Work::ReferenceSlice { .. } => {
+                Settings { reservoirs: 0, ..Settings::default() }
+            }
         };
         if settings.reservoirs > history.reservoirs() {
             let (asked, has) = (settings.reservoirs, history.reservoirs());
@@ -85,50 +107,71 @@ impl Recorder {
         for step in &steps {
             self.pipelines.prepare(step.pass)?;
         }
-        self.record_steps(cmd, history, &constants, &steps, timestamps)?;
+        self.record_constants(cmd, &constants);
+        timestamps.begin(cmd);
+        self.record_steps(cmd, Seen { history, reference: None }, &settings, &steps, timestamps)?;
         history.rotation = next;
         history.index += 1;
         history.previous_camera = Some(camera);
         Ok(())
     }
 
-    fn record_steps(
-        &self,
+    /// Records passes that look at the frame of `history` that was recorded just before, and at the mean of `reference`.
+    pub fn record_looks(
+        &mut self,
         cmd: vk::CommandBuffer,
         history: &History,
-        constants: &FrameConstants,
-        steps: &[Step],
+        reference: Option<&History>,
+        passes: &[(&'static Pass, PassConstants)],
         timestamps: &mut Timestamps,
     ) -> Result<()> {
-        let shaders = PipelineStage::COMPUTE_SHADER | PipelineStage::RAY_TRACING_SHADER_KHR;
+        let steps = looks(passes, history.rotation);
+        for step in &steps {
+            self.pipelines.prepare(step.pass)?;
+        }
+        let settings = Settings::default();
+        self.record_steps(cmd, Seen { history, reference }, &settings, &steps, timestamps)
+    }
+
+    fn record_constants(&self, cmd: vk::CommandBuffer, constants: &FrameConstants) {
         let device = &self.device;
         // The frame before may still read its constants, or be copied from.
-        let readers = (shaders | PipelineStage::TRANSFER, Access::empty());
+        let readers = (SHADERS | PipelineStage::TRANSFER, Access::empty());
         memory_barrier(device, cmd, readers, readers);
         // SAFETY: `cmd` is recording, and the buffer has the size of the constants, a multiple of 4 below 64 KiB.
         unsafe { device.cmd_update_buffer(cmd, self.constants.handle(), 0, bytemuck::bytes_of(constants)) };
         let written = (PipelineStage::TRANSFER, Access::TRANSFER_WRITE);
-        memory_barrier(device, cmd, written, (shaders, Access::UNIFORM_READ));
-        timestamps.begin(cmd);
+        memory_barrier(device, cmd, written, (SHADERS, Access::UNIFORM_READ));
+    }
+
+    fn record_steps(
+        &self,
+        cmd: vk::CommandBuffer,
+        seen: Seen<'_>,
+        settings: &Settings,
+        steps: &[Step],
+        timestamps: &mut Timestamps,
+    ) -> Result<()> {
+        let device = &self.device;
         for (step, wait) in steps.iter().zip(barriers(steps)) {
             if wait {
                 let (read, write) = (Access::SHADER_READ, Access::SHADER_WRITE);
-                memory_barrier(device, cmd, (shaders, write), (shaders, read | write));
+                memory_barrier(device, cmd, (SHADERS, write), (SHADERS, read | write));
             }
             let stem = step.pass.stem;
-            debug_label(device, cmd, stem, || self.record_step(cmd, history, constants, step))?;
+            debug_label(device, cmd, stem, || self.record_step(cmd, seen, settings, step))?;
             timestamps.write(cmd, stem);
         }
         let copies = (PipelineStage::TRANSFER, Access::TRANSFER_READ);
-        memory_barrier(device, cmd, (shaders, Access::SHADER_WRITE), copies);
+        memory_barrier(device, cmd, (SHADERS, Access::SHADER_WRITE), copies);
         Ok(())
     }
 
     fn record_step(
         &self,
         cmd: vk::CommandBuffer,
-        history: &History,
-        constants: &FrameConstants,
+        seen: Seen<'_>,
+        settings: &Settings,
         step: &Step,
     ) -> Result<()> {
         let Some(pass) = self.pipelines.get(step.pass) else {
@@ -136,13 +179,13 @@ impl Recorder {
         };
         let mut set = PushSet::new().uniform_buffer(frame_binding::CONSTANTS, &self.constants);
         for (&(role, _), &buffer) in step.pass.uses.iter().zip(&step.buffers) {
-            set = set.storage_buffer(role.binding(), history.targets.get(buffer));
+            set = set.storage_buffer(role.binding(), seen.buffer(buffer));
         }
         let pipeline = pass.pipeline();
         pipeline.bind(cmd);
         pipeline.bind_set(cmd, shared::interface::scene_binding::SET, self.scene.set());
         pipeline.push_set(cmd, frame_binding::SET, &set);
         pipeline.push_constants(cmd, &step.constants);
-        pass.launch(cmd, step.pass, constants.size, &constants.settings)
+        pass.launch(cmd, step.pass, seen.history.size(), settings)
     }
 }

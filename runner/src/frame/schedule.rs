@@ -1,12 +1,13 @@
 //! The frame as a readable list of passes, and which buffer each of them finds behind its roles.
 
-use super::pass::{BufferId, Role, Step};
+use super::pass::{BufferId, Pass, Role, Step};
 use super::passes::{
     gbuffer, initial, initial_tiled, presample, reference, shade, spatial, spatial_unbiased, temporal,
     temporal_unbiased, tonemap,
 };
 use shared::frame::{Settings, mode};
 use shared::interface::PassConstants;
+use std::ops::Range;
 
 /// Lights that one dispatch of the reference adds: short enough that no driver's watchdog bites.
 const REFERENCE_LIGHTS: u32 = 64;
@@ -27,18 +28,40 @@ pub enum Work {
     Restir(Settings),
     /// The sum over this many lights.
     Reference { lights: u32 },
+    /// A part of that sum: `count` lights from `first` on, added to the frame before unless `first` is 0.
+    ReferenceSlice { first: u32, count: u32 },
 }
 
 /// The passes of one frame and the rotation that the next frame starts from.
 pub fn schedule(work: &Work, rotation: Rotation) -> (Vec<Step>, Rotation) {
     let mut frame = Frame { rotation, input: rotation.history, output: rotation.other(0), steps: Vec::new() };
+    if let Work::ReferenceSlice { first, count } = *work {
+        if first == 0 {
+            frame.push(&gbuffer::PASS, PassConstants::default());
+        }
+        frame.reference(first..first + count);
+        // The next slice adds to the same surfaces.
+        return (frame.steps, rotation);
+    }
     frame.push(&gbuffer::PASS, PassConstants::default());
-    match work {
-        Work::Restir(settings) => frame.restir(settings),
-        Work::Reference { lights } => frame.reference(*lights),
+    match *work {
+        Work::Restir(ref settings) => frame.restir(settings),
+        Work::Reference { lights } => frame.reference(0..lights),
+        Work::ReferenceSlice { .. } => {}
     }
     frame.push(&tonemap::PASS, PassConstants::default());
     (frame.steps, Rotation { gbuffer: 1 - rotation.gbuffer, history: frame.output })
+}
+
+/// Steps that look at a frame, of which `after` is the rotation that it left.
+pub fn looks(passes: &[(&'static Pass, PassConstants)], after: Rotation) -> Vec<Step> {
+    let rotation = Rotation { gbuffer: 1 - after.gbuffer, ..after };
+    let (input, output) = (after.history, after.other(0));
+    let mut frame = Frame { rotation, input, output, steps: Vec::new() };
+    for &(pass, constants) in passes {
+        frame.push(pass, constants);
+    }
+    frame.steps
 }
 
 impl Rotation {
@@ -93,14 +116,14 @@ impl Frame {
         self.push(&shade::PASS, PassConstants::default());
     }
 
-    fn reference(&mut self, lights: u32) {
-        for first_light in (0..lights).step_by(REFERENCE_LIGHTS as usize) {
-            let light_count = REFERENCE_LIGHTS.min(lights - first_light);
+    fn reference(&mut self, lights: Range<u32>) {
+        for first_light in lights.clone().step_by(REFERENCE_LIGHTS as usize) {
+            let light_count = REFERENCE_LIGHTS.min(lights.end - first_light);
             self.push(&reference::PASS, PassConstants { first_light, light_count, ..Default::default() });
         }
     }
 
-    fn push(&mut self, pass: &'static super::pass::Pass, constants: PassConstants) {
+    fn push(&mut self, pass: &'static Pass, constants: PassConstants) {
         let buffers = pass.uses.iter().map(|&(role, _)| self.buffer(role)).collect();
         self.steps.push(Step { pass, buffers, constants });
     }
@@ -116,6 +139,9 @@ impl Frame {
             Role::Display => BufferId::Display,
             Role::TileEntries => BufferId::TileEntries,
             Role::TilePoints => BufferId::TilePoints,
+            Role::Mean => BufferId::Mean,
+            Role::Reference => BufferId::Reference,
+            Role::Statistics => BufferId::Statistics,
         }
     }
 }
@@ -167,6 +193,9 @@ mod tests {
                     }
                 }
             }
+            let view = looks(&[(&super::super::passes::view::PASS, PassConstants::default())], next);
+            assert_eq!(content[&view[0].buffers[0]], (frame, "gbuffer"));
+            assert_eq!(content[&view[0].buffers[1]], (frame, last_reservoirs));
             assert_eq!(content[&next.last_reservoirs()], (frame, last_reservoirs));
             assert_eq!(content[&next.last_gbuffer()], (frame, "gbuffer"));
             rotation = next;
@@ -190,5 +219,20 @@ mod tests {
                 ranges.flat_map(|c| c.first_light..c.first_light + c.light_count).collect();
             assert_eq!(covered, (0..lights).collect::<Vec<_>>());
         }
+    }
+
+    #[test]
+    fn slices_of_the_reference_are_the_reference() {
+        let mut rotation = Rotation::default();
+        let mut covered = Vec::new();
+        for (first, count) in [(0, 100), (100, 30), (130, 1)] {
+            let (steps, next) = schedule(&Work::ReferenceSlice { first, count }, rotation);
+            let surfaces = steps.iter().filter(|s| s.pass.stem == "gbuffer").count();
+            assert_eq!(surfaces, usize::from(first == 0), "one set of surfaces for all");
+            let adds = steps.iter().filter(|s| s.pass.stem == "reference").map(|s| s.constants);
+            covered.extend(adds.flat_map(|c| c.first_light..c.first_light + c.light_count));
+            rotation = next;
+        }
+        assert_eq!(covered, (0..131).collect::<Vec<_>>());
     }
 }

@@ -7,6 +7,7 @@ use ash::vk;
 use glam::{UVec2, Vec3};
 use shared::light::tile::{TILE_SIZE, TILES, TileEntry};
 use shared::reservoir::StoredReservoir;
+use shared::statistics::{BLOCK, BlockSums};
 use shared::surface::GBufferTexel;
 
 /// The targets of one picture size and reservoir count.
@@ -17,6 +18,9 @@ pub struct Targets {
     display: Buffer,
     /// Entries and points of the light tiles.
     tiles: [Buffer; 2],
+    /// Of the viewer; tiny until they are asked for.
+    mean: Buffer,
+    statistics: Buffer,
 }
 
 impl Targets {
@@ -24,22 +28,34 @@ impl Targets {
     pub fn new(device: &Device, size: UVec2, reservoirs: u32) -> Result<Self> {
         let pixels = u64::from(size.x) * u64::from(size.y);
         let make = |name: &str, bytes: usize, per_pixel: u64| {
-            let size = pixels * per_pixel * bytes as u64;
-            Buffer::new(device, name, size, vk::BufferUsageFlags::STORAGE_BUFFER, Memory::Device)
+            storage(device, name, pixels * per_pixel * bytes as u64)
         };
         let gbuffer = |name| make(name, size_of::<GBufferTexel>(), 1);
         let reservoir = |name| make(name, size_of::<StoredReservoir>(), reservoirs.into());
-        let tile = |name: &str, bytes: usize| {
-            let size = u64::from(TILES * TILE_SIZE) * bytes as u64;
-            Buffer::new(device, name, size, vk::BufferUsageFlags::STORAGE_BUFFER, Memory::Device)
-        };
+        let tile =
+            |name: &str, bytes: usize| storage(device, name, u64::from(TILES * TILE_SIZE) * bytes as u64);
         Ok(Targets {
+            mean: storage(device, "mean", 0)?,
+            statistics: storage(device, "statistics", 0)?,
             gbuffer: [gbuffer("G-buffer 0")?, gbuffer("G-buffer 1")?],
             reservoirs: [reservoir("reservoirs 0")?, reservoir("reservoirs 1")?, reservoir("reservoirs 2")?],
             radiance: make("radiance", size_of::<Vec3>(), 1)?,
             display: make("display", 4, 1)?,
             tiles: [tile("tile entries", size_of::<TileEntry>())?, tile("tile points", 4)?],
         })
+    }
+
+    /// Makes room for a mean over frames and for sums over blocks, for pictures of `size`.
+    pub fn make_mean(&mut self, device: &Device, size: UVec2) -> Result<()> {
+        let pixels = u64::from(size.x) * u64::from(size.y);
+        let blocks = u64::from(size.x.div_ceil(BLOCK)) * u64::from(size.y.div_ceil(BLOCK));
+        self.mean = storage(device, "mean", pixels * size_of::<Vec3>() as u64)?;
+        self.statistics = storage(device, "statistics", blocks * size_of::<BlockSums>() as u64)?;
+        Ok(())
+    }
+
+    pub fn has_mean(&self) -> bool {
+        self.mean.size() > 0
     }
 
     pub fn get(&self, id: BufferId) -> &Buffer {
@@ -50,6 +66,9 @@ impl Targets {
             BufferId::Display => &self.display,
             BufferId::TileEntries => &self.tiles[0],
             BufferId::TilePoints => &self.tiles[1],
+            // Another history's mean stands in for the reference where there is one.
+            BufferId::Mean | BufferId::Reference => &self.mean,
+            BufferId::Statistics => &self.statistics,
         }
     }
 
@@ -60,7 +79,12 @@ impl Targets {
             .iter()
             .chain(&self.reservoirs)
             .chain([&self.radiance, &self.display])
-            .chain(&self.tiles);
+            .chain(&self.tiles)
+            .chain([&self.mean, &self.statistics]);
         all.map(Buffer::size).sum()
     }
+}
+
+fn storage(device: &Device, name: &str, bytes: u64) -> Result<Buffer> {
+    Buffer::new(device, name, bytes, vk::BufferUsageFlags::STORAGE_BUFFER, Memory::Device)
 }
