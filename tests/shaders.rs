@@ -6,7 +6,8 @@ use candela::shader_library;
 use rspirv::spirv::{ExecutionModel, StorageClass};
 use shader_builder::manifest::{Manifest, Toolchain};
 use shared::interface::{
-    HitPayload, PassConstants, ShadowPayload, WORKGROUP, frame_binding as frame, scene_binding as scene,
+    HitPayload, PassConstants, ShadowPayload, WORKGROUP, frame_binding as frame, past_binding as past,
+    scene_binding as scene,
 };
 use std::path::Path;
 use std::process::Command;
@@ -85,7 +86,7 @@ fn every_module_has_its_entry_point() {
 fn element(set: u32, binding: u32) -> Option<(&'static str, usize)> {
     use shared::{
         alias_table::AliasEntry, geometry::*, light::Light, light::tile::TileEntry, material::Material,
-        reservoir::StoredReservoir, surface::GBufferTexel,
+        motion::InstanceMotion, reservoir::StoredReservoir, surface::GBufferTexel,
     };
     Some(match (set, binding) {
         (scene::SET, scene::INSTANCES) => ("fffufffufffufffuffffffffffuu", size_of::<InstanceGeometry>()),
@@ -96,7 +97,7 @@ fn element(set: u32, binding: u32) -> Option<(&'static str, usize)> {
             ("ffffffffffffffuuuuuffffffuffffffuffffffuffffffu", size_of::<Material>())
         }
         (scene::SET, scene::SECOND_UVS) => ("ff", size_of::<glam::Vec2>()),
-        (scene::SET, scene::LIGHTS) => ("fffufffuffffffff", size_of::<Light>()),
+        (scene::SET, scene::LIGHTS) | (past::SET, past::LIGHTS) => ("fffufffuffffffff", size_of::<Light>()),
         (scene::SET, scene::ENVIRONMENT) => ("fff", 12),
         (scene::SET, scene::ALIAS) => ("uuff", size_of::<AliasEntry>()),
         (frame::SET, frame::GBUFFER | frame::PREVIOUS_GBUFFER) => ("uuuuuuuu", size_of::<GBufferTexel>()),
@@ -108,6 +109,8 @@ fn element(set: u32, binding: u32) -> Option<(&'static str, usize)> {
         (frame::SET, frame::DISPLAY) => ("u", 4),
         (frame::SET, frame::TILE_ENTRIES) => ("fffuuufu", size_of::<TileEntry>()),
         (frame::SET, frame::TILE_POINTS) => ("u", 4),
+        (past::SET, past::MOTIONS) => ("fffffffffffffffu", size_of::<InstanceMotion>()),
+        (past::SET, past::PREVIOUS_TO_CURRENT | past::CURRENT_TO_PREVIOUS) => ("u", 4),
         _ => return None,
     })
 }
@@ -149,7 +152,11 @@ fn passes_declare_what_their_shaders_use() {
         declared.push(frame::CONSTANTS);
         declared.sort_unstable();
         assert_eq!(used, declared, "{}", pass.stem);
-        assert!(bindings.keys().all(|k| k.0 == frame::SET || k.0 == scene::SET && k.1 <= scene::TEXTURES));
+        let of_the_past: Vec<u32> = bindings.keys().filter(|k| k.0 == past::SET).map(|k| k.1).collect();
+        assert_eq!(!of_the_past.is_empty(), pass.past, "{}", pass.stem);
+        assert!(of_the_past.iter().all(|&binding| binding <= past::CURRENT_TO_PREVIOUS));
+        let known = |set: u32| [frame::SET, past::SET].contains(&set);
+        assert!(bindings.keys().all(|k| known(k.0) || k.0 == scene::SET && k.1 <= scene::TEXTURES));
     }
 }
 

@@ -17,5 +17,6 @@ modules! {
     "gbuffer" "initial" "temporal" "spatial" "shade" "tonemap" "reference"
     "accumulate" "view" "statistics"
     "presample" "initial_tiled" "temporal_unbiased" "spatial_unbiased"
+    "temporal_moving" "temporal_unbiased_moving"
     "closest_hit" "primary_any_hit" "shadow_any_hit" "primary_miss" "shadow_miss"
 }

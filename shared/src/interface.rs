@@ -94,5 +94,16 @@ pub mod frame_binding {
     pub const STATISTICS: u32 = 12;
 }
 
+/// Descriptor set 2: the scene as it was in the previous frame, for passes that ask for it.
+pub mod past_binding {
+    pub const SET: u32 = 2;
+    pub const TLAS: u32 = 0;
+    pub const LIGHTS: u32 = 1;
+    /// [`crate::motion::InstanceMotion`], one for each of the scene's instance geometries.
+    pub const MOTIONS: u32 = 2;
+    pub const PREVIOUS_TO_CURRENT: u32 = 3;
+    pub const CURRENT_TO_PREVIOUS: u32 = 4;
+}
+
 /// Threads of a compute pass's workgroup, in x and y.
 pub const WORKGROUP: u32 = 8;

@@ -25,7 +25,8 @@
 //!
 //! Reading order: [`math`], [`rng`], [`pdf`], [`sampling`], [`alias_table`], [`environment`], [`light`], [`camera`],
 //! [`frame`], [`geometry`], [`material`], [`ray_cone`], [`alpha`], [`surface`], [`bsdf`], [`target`], [`shadow`],
-//! [`reservoir`], [`resampling`], [`shading`], [`reference`], [`tonemap`], [`view`], [`statistics`], [`interface`].
+//! [`reservoir`], [`motion`], [`resampling`], [`shading`], [`reference`], [`tonemap`], [`view`], [`statistics`],
+//! [`interface`].
 #![cfg_attr(target_arch = "spirv", no_std)]
 
 pub mod alias_table;
@@ -39,6 +40,7 @@ pub mod interface;
 pub mod light;
 pub mod material;
 pub mod math;
+pub mod motion;
 pub mod pdf;
 pub mod ray_cone;
 pub mod reference;

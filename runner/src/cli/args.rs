@@ -6,6 +6,7 @@ use crate::settings_file::{CANDIDATES, ITERATIONS, Mode, NEIGHBORS, RESERVOIRS, 
 use crate::vulkan::DeviceOptions;
 use clap::{Args, Parser, Subcommand};
 use glam::UVec2;
+use std::ops::Range;
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
@@ -88,6 +89,12 @@ pub struct PictureArgs {
     /// Stops brighter (+) or darker (-) than the automatic exposure.
     #[arg(long, default_value_t = 0.0, allow_hyphen_values = true)]
     pub exposure: f32,
+    /// Pose the scene's animations at T seconds; of a sequence, the time of frame 0 [default: at rest; of a sequence 0].
+    #[arg(long, value_name = "T", value_parser = time)]
+    pub time: Option<f64>,
+    /// Look through this animated camera of the scene, by name or number.
+    #[arg(long, value_name = "NAME", conflicts_with = "camera")]
+    pub camera_path: Option<String>,
 }
 
 #[derive(Args, Clone, Debug)]
@@ -123,12 +130,31 @@ pub struct RenderArgs {
     pub device: DeviceArgs,
     #[command(flatten)]
     pub knobs: KnobArgs,
-    /// Frames to render; the last one is written.
-    #[arg(long, default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..))]
-    pub frames: u32,
+    /// N: frames to render, the last one is written. A..B: a sequence, pictures A to B - 1; `-o` must have #### or {frame} for
+    /// their number.
+    #[arg(long, value_name = "N|A..B", default_value = "16", value_parser = parse_frames)]
+    pub frames: Frames,
+    /// Pictures a second of a sequence.
+    #[arg(long, default_value_t = 24.0, value_parser = positive)]
+    pub fps: f32,
+    /// Frames before the first picture of a sequence, which give it a history.
+    #[arg(long, value_name = "N", default_value_t = 16)]
+    pub warm_up: u32,
+    /// Render the pictures of a sequence anew that exist.
+    #[arg(long)]
+    pub overwrite: bool,
     /// Write the mean of all frames instead of the last one.
     #[arg(long)]
     pub accumulate: bool,
+}
+
+/// What `--frames` asks for.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Frames {
+    /// So many of a still, for one picture.
+    Still(u32),
+    /// A picture each.
+    Sequence(Range<u32>),
 }
 
 #[derive(Args, Clone, Debug)]
@@ -315,6 +341,27 @@ fn knob<T: std::fmt::Display>(help: &str, default: impl Fn(&SettingsFile) -> T) 
     format!("{help} [default: {}]", default(&SettingsFile::default()))
 }
 
+fn parse_frames(text: &str) -> Result<Frames, String> {
+    const EXPECTED: &str = "expected a number of frames above 0, or a range A..B with A < B";
+    let number = |text: &str| text.parse::<u32>().map_err(|_| EXPECTED.to_owned());
+    let frames = match text.split_once("..") {
+        None => Frames::Still(number(text)?),
+        Some((first, end)) => Frames::Sequence(number(first)?..number(end)?),
+    };
+    match &frames {
+        Frames::Still(0) => Err(EXPECTED.into()),
+        Frames::Sequence(range) if range.is_empty() => Err(EXPECTED.into()),
+        _ => Ok(frames),
+    }
+}
+
+fn time(text: &str) -> Result<f64, String> {
+    text.parse()
+        .ok()
+        .filter(|t: &f64| t.is_finite() && *t >= 0.0)
+        .ok_or_else(|| "expected seconds, from 0 on".into())
+}
+
 fn parse_size(text: &str) -> Result<UVec2, String> {
     let (x, y) = text.split_once('x').ok_or("expected WIDTHxHEIGHT, such as 1280x720")?;
     match (x.parse(), y.parse()) {
@@ -419,9 +466,22 @@ mod tests {
             "-o a.png --radius -1",
             "-o a.png --mode magic",
             "a.glb 5 --lights 6 -o a.png",
+            "-o a.png --frames 0",
+            "-o a.png --frames 5..5",
+            "-o a.png --frames 5..x",
+            "-o a.png --time -1",
+            "-o a.png --time nan",
+            "-o a.png --camera a --camera-path b",
         ] {
             assert!(render(line).is_err(), "{line}");
         }
+    }
+
+    #[test]
+    fn frames_are_a_number_or_a_range() {
+        assert_eq!(render("-o a.png").unwrap().frames, Frames::Still(16));
+        assert_eq!(render("-o a.png --frames 3").unwrap().frames, Frames::Still(3));
+        assert_eq!(render("-o a.png --frames 10..20").unwrap().frames, Frames::Sequence(10..20));
     }
 
     #[test]

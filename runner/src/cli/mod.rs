@@ -9,6 +9,7 @@ mod progress;
 mod reference;
 mod render;
 mod report;
+mod sequence;
 mod sweep;
 pub(crate) mod view;
 mod window;

@@ -12,7 +12,8 @@ use glam::Vec3;
 
 pub fn run(args: &ReferenceArgs) -> Result<()> {
     let format = crate::image_io::check_writable(&args.picture.output)?;
-    let scene = view::load_scene(&args.scene)?;
+    let mut scene = view::load_scene(&args.scene)?;
+    view::pose(&mut scene, &args.picture);
     let camera = view::camera(&scene, &args.picture)?;
     let device = Device::new(&args.device.options())?;
     let gpu_scene = GpuScene::new(&device, &scene)?;

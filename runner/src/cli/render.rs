@@ -1,7 +1,7 @@
 //! `candela render`: frames of ReSTIR, the last one or their mean as a picture.
 
-use super::args::RenderArgs;
-use super::{output, progress, view};
+use super::args::{Frames, RenderArgs};
+use super::{output, progress, sequence, view};
 use crate::error::Result;
 use crate::frame::renderer::{FrameOptions, Renderer};
 use crate::frame::schedule::Work;
@@ -12,9 +12,17 @@ use crate::vulkan::Device;
 use glam::Vec3;
 
 pub fn run(args: &RenderArgs) -> Result<()> {
+    match &args.frames {
+        Frames::Still(frames) => still(args, *frames),
+        Frames::Sequence(range) => sequence::run(args, range.clone()),
+    }
+}
+
+fn still(args: &RenderArgs, frames: u32) -> Result<()> {
     let format = crate::image_io::check_writable(&args.picture.output)?;
     let knobs = args.knobs.document()?;
-    let scene = view::load_scene(&args.scene)?;
+    let mut scene = view::load_scene(&args.scene)?;
+    view::pose(&mut scene, &args.picture);
     let camera = view::camera(&scene, &args.picture)?;
     let device = Device::new(&args.device.options())?;
     let gpu_scene = GpuScene::new(&device, &scene)?;
@@ -28,10 +36,10 @@ pub fn run(args: &RenderArgs) -> Result<()> {
         background: Vec3::ZERO,
     };
 
-    let bar = progress::bar(args.frames.into(), "rendering");
+    let bar = progress::bar(frames.into(), "rendering");
     let mut times = PassTimes::default();
     let mut mean = Mean::new(size);
-    for _ in 0..args.frames {
+    for _ in 0..frames {
         times.add(renderer.render(camera, &options)?);
         if args.accumulate {
             mean.add(&renderer.radiance()?);
@@ -43,7 +51,7 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     let radiance = if args.accumulate { mean.radiance() } else { renderer.radiance()? };
     output::write(&args.picture, format, &radiance)?;
     let lights = renderer.scene().light_count();
-    println!("{}: {lights} lights, {}x{}, {} frames", device.info().name, size.x, size.y, args.frames);
+    println!("{}: {lights} lights, {}x{}, {} frames", device.info().name, size.x, size.y, frames);
     println!("{}", times.summary());
     println!("rays a frame: {}", settings_rays(size, &settings));
     output::check_validation(&device)

@@ -2,6 +2,7 @@
 
 use super::args::{PictureArgs, SceneArgs, parse_view};
 use crate::error::{Error, Result};
+use crate::scene::animation::Thing;
 use crate::scene::{SceneCamera, SceneDescription, load};
 use glam::{UVec2, Vec3};
 use shared::camera::Camera;
@@ -15,9 +16,21 @@ pub fn load_scene(args: &SceneArgs) -> Result<SceneDescription> {
     Ok(scene)
 }
 
-/// The camera that the command line asks for: of the scene, given in numbers, or fitted around the scene.
+/// Poses `scene` at the time that the command line asks for, if it does.
+pub fn pose(scene: &mut SceneDescription, args: &PictureArgs) {
+    if let Some(time) = args.time {
+        let pose = scene.pose(time);
+        scene.apply(&pose);
+    }
+}
+
+/// The camera that the command line asks for, where `scene` has it now: of the scene, given in numbers, or fitted around
+/// the scene.
 pub fn camera(scene: &SceneDescription, args: &PictureArgs) -> Result<Camera> {
-    let view = scene_camera(scene, args.camera.as_deref())?;
+    let view = match &args.camera_path {
+        Some(text) => animated_camera(scene, text)?,
+        None => scene_camera(scene, args.camera.as_deref())?,
+    };
     Ok(shared_camera(&view, args.size))
 }
 
@@ -44,9 +57,26 @@ fn named_camera(scene: &SceneDescription, text: &str) -> Result<SceneCamera> {
         let forward = (target - position).normalize();
         return Ok(SceneCamera { name: text.into(), position, forward, up: Vec3::Y, fov_y });
     }
-    let by_name = scene.cameras.iter().find(|camera| camera.name == text);
-    let by_index = text.parse().ok().and_then(|i: usize| scene.cameras.get(i));
-    by_name.or(by_index).cloned().ok_or_else(|| {
+    Ok(scene.cameras[camera_index(scene, text)?].clone())
+}
+
+fn animated_camera(scene: &SceneDescription, text: &str) -> Result<SceneCamera> {
+    let index = camera_index(scene, text)?;
+    let moves = |i: &usize| scene.animation.moves(Thing::Camera(*i));
+    if moves(&index) {
+        return Ok(scene.cameras[index].clone());
+    }
+    let moving: Vec<_> =
+        (0..scene.cameras.len()).filter(moves).map(|i| scene.cameras[i].name.as_str()).collect();
+    let known =
+        if moving.is_empty() { "no camera moves".into() } else { format!("{} do", moving.join(", ")) };
+    Err(Error::Usage(format!("--camera-path {text}: {}: this camera does not move ({known})", scene.name)))
+}
+
+fn camera_index(scene: &SceneDescription, text: &str) -> Result<usize> {
+    let by_name = scene.cameras.iter().position(|camera| camera.name == text);
+    let by_index = text.parse().ok().filter(|&i: &usize| i < scene.cameras.len());
+    by_name.or(by_index).ok_or_else(|| {
         let names: Vec<_> = scene.cameras.iter().map(|camera| camera.name.as_str()).collect();
         let known = if names.is_empty() { "none".into() } else { names.join(", ") };
         Error::Usage(format!("{}: no camera '{text}' (it has {known})", scene.name))

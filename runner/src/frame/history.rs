@@ -15,6 +15,8 @@ pub struct History {
     pub(super) rotation: Rotation,
     pub(super) index: u32,
     pub(super) previous_camera: Option<Camera>,
+    /// [`crate::gpu_scene::GpuScene::version`] that the last frame saw.
+    pub(super) scene: u64,
     reservoirs: u32,
     size: UVec2,
 }
@@ -27,6 +29,7 @@ impl History {
             rotation: Rotation::default(),
             index: 0,
             previous_camera: None,
+            scene: 0,
             reservoirs,
             size,
         })

@@ -63,6 +63,8 @@ pub struct Pass {
     pub stage: Stage,
     pub uses: &'static [(Role, Access)],
     pub extent: Extent,
+    /// It reads set 2: the scene as it was in the previous frame.
+    pub past: bool,
 }
 
 /// A buffer that outlives a pass.
@@ -149,12 +151,14 @@ mod tests {
         stage: Stage::Compute,
         uses: &[(Role::GBuffer, Access::Write)],
         extent: Extent::Pixels,
+        past: false,
     };
     const CONSUME: Pass = Pass {
         stem: "consume",
         stage: Stage::Compute,
         uses: &[(Role::GBuffer, Access::Read), (Role::Radiance, Access::Write)],
         extent: Extent::Pixels,
+        past: false,
     };
 
     fn step(pass: &'static Pass, buffers: &[BufferId]) -> Step {

@@ -2,6 +2,7 @@
 
 use super::pass::{Extent, Pass, Rays, Role, Stage};
 use crate::error::{Error, Result};
+use crate::gpu_scene::past;
 use crate::shader_library;
 use crate::vulkan::{
     Binding, ComputePipeline, Device, HitGroup, Interface, Pipeline, RayPipeline, RayPipelineDesc, SetLayout,
@@ -64,10 +65,12 @@ impl Pipelines {
     }
 
     fn compile(&self, pass: &Pass) -> Result<PassPipeline> {
-        let set_layouts = [&self.scene_layout, &self.frame_layout];
+        let past_layout = past::layout(&self.device)?;
+        let all = [&self.scene_layout, &self.frame_layout, &past_layout];
+        let set_layouts = if pass.past { &all[..] } else { &all[..2] };
         let spec_constants = [(spec_constant::FEATURES, self.features)];
         let interface = Interface {
-            set_layouts: &set_layouts,
+            set_layouts,
             push_constant_size: size_of::<PassConstants>() as u32,
             spec_constants: &spec_constants,
         };

@@ -6,12 +6,15 @@ use super::pipelines::Pipelines;
 use super::schedule::{Work, looks, schedule};
 use crate::error::{Error, Result};
 use crate::gpu_scene::GpuScene;
+use crate::scene::SceneDescription;
+use crate::scene::animation::Pose;
+use crate::scene::lights::LightEdits;
 use crate::vulkan::{Buffer, Device, Memory, PushSet, Timestamps, debug_label, memory_barrier};
 use ash::vk;
 use glam::Vec3;
 use shared::camera::Camera;
 use shared::frame::{FrameConstants, Settings};
-use shared::interface::{PassConstants, frame_binding};
+use shared::interface::{PassConstants, frame_binding, past_binding};
 
 use vk::{AccessFlags as Access, PipelineStageFlags as PipelineStage};
 
@@ -36,6 +39,7 @@ pub struct Recorder {
     scene: GpuScene,
     pipelines: Pipelines,
     constants: Buffer,
+    pub(super) ignores_motion: bool,
 }
 
 /// Whose buffers stand behind the roles of a step.
@@ -61,9 +65,21 @@ impl Recorder {
         Ok(Recorder {
             pipelines: Pipelines::new(device, scene.set().layout(), scene.features())?,
             constants: Buffer::new(device, "frame constants", bytes, usage, Memory::Device)?,
+            ignores_motion: false,
             device: device.clone(),
             scene,
         })
+    }
+
+    /// The next frame shows what `pose` moved, where `scene` has it: call [`SceneDescription::apply`] first. Histories
+    /// follow; frames before which nothing moved cost nothing more. At most two frames may be in flight.
+    pub fn update_scene(&mut self, scene: &SceneDescription, pose: &Pose) -> Result<()> {
+        self.scene.update(&self.device, scene, pose)
+    }
+
+    /// The next frame has the lights that `scene` has now, see [`GpuScene::replace_lights`]. Waits for frames in flight.
+    pub fn replace_lights(&mut self, scene: &SceneDescription, edits: &LightEdits) -> Result<()> {
+        self.scene.replace_lights(&self.device, scene, edits)
     }
 
     pub fn scene(&self) -> &GpuScene {
@@ -92,6 +108,12 @@ impl Recorder {
                 "{asked} reservoirs a pixel asked of a renderer made for {has}"
             )));
         }
+        let now = self.scene.version();
+        if history.scene + 1 < now {
+            // It missed a change: what it saw is neither the scene nor its past.
+            history.restart();
+        }
+        let moved = history.index > 0 && history.scene != now && !self.ignores_motion;
         let constants = FrameConstants {
             camera,
             previous_camera: history.previous_camera.unwrap_or(camera),
@@ -103,16 +125,21 @@ impl Recorder {
             background: options.background,
             environment_size: self.scene.environment_size(),
         };
-        let (steps, next) = schedule(&options.work, history.rotation);
+        let (steps, next) = schedule(&options.work, history.rotation, moved);
         for step in &steps {
             self.pipelines.prepare(step.pass)?;
         }
         self.record_constants(cmd, &constants);
         timestamps.begin(cmd);
+        if self.scene.has_changed() {
+            debug_label(&self.device, cmd, "update", || self.scene.record_changes(&self.device, cmd))?;
+            timestamps.write(cmd, "update");
+        }
         self.record_steps(cmd, Seen { history, reference: None }, &settings, &steps, timestamps)?;
         history.rotation = next;
         history.index += 1;
         history.previous_camera = Some(camera);
+        history.scene = now;
         Ok(())
     }
 
@@ -185,6 +212,9 @@ impl Recorder {
         pipeline.bind(cmd);
         pipeline.bind_set(cmd, shared::interface::scene_binding::SET, self.scene.set());
         pipeline.push_set(cmd, frame_binding::SET, &set);
+        if let (true, Some(past)) = (step.pass.past, self.scene.past_set()) {
+            pipeline.bind_set(cmd, past_binding::SET, past);
+        }
         pipeline.push_constants(cmd, &step.constants);
         pass.launch(cmd, step.pass, seen.history.size(), settings)
     }

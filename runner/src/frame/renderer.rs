@@ -5,6 +5,9 @@ use super::pass::BufferId;
 use super::recorder::Recorder;
 use crate::error::Result;
 use crate::gpu_scene::GpuScene;
+use crate::scene::SceneDescription;
+use crate::scene::animation::Pose;
+use crate::scene::lights::LightEdits;
 use crate::vulkan::{Device, Timestamps};
 use bytemuck::Pod;
 use glam::{UVec2, Vec3};
@@ -53,6 +56,22 @@ impl Renderer {
     /// Forgets the past: the next frame is number 0.
     pub fn restart(&mut self) {
         self.history.restart();
+    }
+
+    /// See [`Recorder::update_scene`].
+    pub fn update_scene(&mut self, scene: &SceneDescription, pose: &Pose) -> Result<()> {
+        self.recorder.update_scene(scene, pose)
+    }
+
+    /// See [`Recorder::replace_lights`].
+    pub fn replace_lights(&mut self, scene: &SceneDescription, edits: &LightEdits) -> Result<()> {
+        self.recorder.replace_lights(scene, edits)
+    }
+
+    /// For tests' negative controls: temporal reuse takes the past for the present.
+    #[doc(hidden)]
+    pub fn ignore_motion(&mut self, ignore: bool) {
+        self.recorder.ignores_motion = ignore;
     }
 
     /// Renders one frame and waits for it. Gives the times of its steps where the device has a clock.

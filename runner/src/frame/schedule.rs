@@ -3,7 +3,7 @@
 use super::pass::{BufferId, Pass, Role, Step};
 use super::passes::{
     gbuffer, initial, initial_tiled, presample, reference, shade, spatial, spatial_unbiased, temporal,
-    temporal_unbiased, tonemap,
+    temporal_moving, temporal_unbiased, temporal_unbiased_moving, tonemap,
 };
 use shared::frame::{Settings, mode};
 use shared::interface::PassConstants;
@@ -32,9 +32,11 @@ pub enum Work {
     ReferenceSlice { first: u32, count: u32 },
 }
 
-/// The passes of one frame and the rotation that the next frame starts from.
-pub fn schedule(work: &Work, rotation: Rotation) -> (Vec<Step>, Rotation) {
-    let mut frame = Frame { rotation, input: rotation.history, output: rotation.other(0), steps: Vec::new() };
+/// The passes of one frame and the rotation that the next frame starts from. `moved`: the scene is not where it was in the
+/// frame before.
+pub fn schedule(work: &Work, rotation: Rotation, moved: bool) -> (Vec<Step>, Rotation) {
+    let mut frame =
+        Frame { moved, rotation, input: rotation.history, output: rotation.other(0), steps: Vec::new() };
     if let Work::ReferenceSlice { first, count } = *work {
         if first == 0 {
             frame.push(&gbuffer::PASS, PassConstants::default());
@@ -57,7 +59,7 @@ pub fn schedule(work: &Work, rotation: Rotation) -> (Vec<Step>, Rotation) {
 pub fn looks(passes: &[(&'static Pass, PassConstants)], after: Rotation) -> Vec<Step> {
     let rotation = Rotation { gbuffer: 1 - after.gbuffer, ..after };
     let (input, output) = (after.history, after.other(0));
-    let mut frame = Frame { rotation, input, output, steps: Vec::new() };
+    let mut frame = Frame { moved: false, rotation, input, output, steps: Vec::new() };
     for &(pass, constants) in passes {
         frame.push(pass, constants);
     }
@@ -82,6 +84,7 @@ impl Rotation {
 }
 
 struct Frame {
+    moved: bool,
     rotation: Rotation,
     /// Reservoirs the next pass reads / the next pass writes.
     input: usize,
@@ -91,10 +94,11 @@ struct Frame {
 
 impl Frame {
     fn restir(&mut self, settings: &Settings) {
-        let (temporal, spatial) = if settings.mode == mode::UNBIASED {
-            (&temporal_unbiased::PASS, &spatial_unbiased::PASS)
-        } else {
-            (&temporal::PASS, &spatial::PASS)
+        let (temporal, spatial) = match (settings.mode == mode::UNBIASED, self.moved) {
+            (true, true) => (&temporal_unbiased_moving::PASS, &spatial_unbiased::PASS),
+            (true, false) => (&temporal_unbiased::PASS, &spatial_unbiased::PASS),
+            (false, true) => (&temporal_moving::PASS, &spatial::PASS),
+            (false, false) => (&temporal::PASS, &spatial::PASS),
         };
         if settings.tiles != 0 {
             self.push(&presample::PASS, PassConstants::default());
@@ -168,7 +172,7 @@ mod tests {
         let mut rotation = Rotation::default();
         let mut content: HashMap<BufferId, (u32, &str)> = HashMap::new();
         for frame in 0..7 {
-            let (steps, next) = schedule(work, rotation);
+            let (steps, next) = schedule(work, rotation, frame % 2 == 1);
             let mut last_reservoirs = "";
             for step in &steps {
                 for (&(role, access), buffer) in step.pass.uses.iter().zip(&step.buffers) {
@@ -204,7 +208,7 @@ mod tests {
 
     #[test]
     fn the_default_frame_reads_like_the_paper() {
-        let (steps, _) = schedule(&Work::Restir(Settings::default()), Rotation::default());
+        let (steps, _) = schedule(&Work::Restir(Settings::default()), Rotation::default(), false);
         let stems: Vec<_> = steps.iter().map(|s| s.pass.stem).collect();
         assert_eq!(stems, ["gbuffer", "initial", "temporal", "spatial", "spatial", "shade", "tonemap"]);
         assert!(barriers(&steps).iter().all(|&wait| wait), "each pass needs the one before it");
@@ -213,7 +217,7 @@ mod tests {
     #[test]
     fn the_reference_covers_each_light_once() {
         for lights in [0, 1, 63, 64, 65, 500] {
-            let (steps, _) = schedule(&Work::Reference { lights }, Rotation::default());
+            let (steps, _) = schedule(&Work::Reference { lights }, Rotation::default(), false);
             let ranges = steps.iter().filter(|s| s.pass.stem == "reference").map(|s| s.constants);
             let covered: Vec<u32> =
                 ranges.flat_map(|c| c.first_light..c.first_light + c.light_count).collect();
@@ -226,7 +230,7 @@ mod tests {
         let mut rotation = Rotation::default();
         let mut covered = Vec::new();
         for (first, count) in [(0, 100), (100, 30), (130, 1)] {
-            let (steps, next) = schedule(&Work::ReferenceSlice { first, count }, rotation);
+            let (steps, next) = schedule(&Work::ReferenceSlice { first, count }, rotation, false);
             let surfaces = steps.iter().filter(|s| s.pass.stem == "gbuffer").count();
             assert_eq!(surfaces, usize::from(first == 0), "one set of surfaces for all");
             let adds = steps.iter().filter(|s| s.pass.stem == "reference").map(|s| s.constants);

@@ -3,11 +3,12 @@
 use crate::error::{Error, Result};
 use crate::scene::lights::LightTable;
 use crate::scene::{AlphaMode, Material, Mesh, Primitive, SceneDescription, Workflow};
-use glam::{Vec2, Vec3, Vec4};
+use glam::{Affine3A, Vec2, Vec3, Vec4};
 use shared::frame::features;
 use shared::geometry::{InstanceGeometry, NO_LIGHT, VertexAttributes, pack_tangent};
 use shared::material::{NO_TEXTURE, UvMap, flag};
 use shared::math::pack_direction;
+use std::ops::Range;
 
 /// Everything that set 0 holds, but for textures and acceleration structures.
 #[derive(Debug, Default)]
@@ -25,6 +26,8 @@ pub struct SceneArrays {
     pub placements: Vec<Placement>,
     /// [`shared::frame::features`].
     pub features: u32,
+    /// Object to world of the scene's instances.
+    pub transforms: Vec<Affine3A>,
 }
 
 /// Where a primitive lies in [`SceneArrays`], and how rays meet it.
@@ -59,6 +62,7 @@ pub struct Placement {
 impl SceneArrays {
     pub fn new(scene: &SceneDescription, lights: &LightTable) -> Result<Self> {
         let mut arrays = SceneArrays { features: features_of(scene), ..Default::default() };
+        arrays.transforms = scene.instances.iter().map(|instance| instance.transform).collect();
         arrays.materials = scene.materials.iter().map(gpu_material).collect();
         let meshes =
             scene.meshes.iter().map(|mesh| arrays.add_mesh(scene, mesh)).collect::<Result<Vec<_>>>()?;
@@ -78,6 +82,47 @@ impl SceneArrays {
             }
         }
         Ok(arrays)
+    }
+
+    /// Forgets what only the device needs: vertices, indices and materials.
+    pub fn without_geometry(self) -> Self {
+        let SceneArrays { instances, parts, placements, features, transforms, .. } = self;
+        SceneArrays { instances, parts, placements, features, transforms, ..SceneArrays::default() }
+    }
+
+    /// The instance geometries of the scene's instance `i`, which lie together.
+    pub fn geometries_of(&self, i: usize) -> Range<usize> {
+        let first = self.placements.partition_point(|p| p.instance < i);
+        let end = self.placements.partition_point(|p| p.instance <= i);
+        let at = |p: usize| self.placements.get(p).map_or(self.instances.len(), |p| p.custom_index as usize);
+        at(first)..at(end)
+    }
+
+    /// Puts the scene's instance `i` at `transform`.
+    pub fn place(&mut self, i: usize, transform: Affine3A) {
+        self.transforms[i] = transform;
+        for geometry in self.geometries_of(i) {
+            let InstanceGeometry { first_index, first_vertex, material, first_light, .. } =
+                self.instances[geometry];
+            self.instances[geometry] =
+                InstanceGeometry::new(transform, first_index, first_vertex, material, first_light);
+        }
+    }
+
+    /// Takes the light indices of `lights`.
+    pub fn set_first_lights(&mut self, scene: &SceneDescription, lights: &LightTable) {
+        let mut next = 0;
+        for placement in &self.placements {
+            let mesh = &scene.meshes[scene.instances[placement.instance].mesh];
+            let double_sided = self.parts[placement.part].double_sided;
+            for (p, primitive) in mesh.primitives.iter().enumerate() {
+                if scene.materials[primitive.material].double_sided == double_sided {
+                    let first = lights.first_light[placement.instance][p];
+                    self.instances[next].first_light = first.unwrap_or(NO_LIGHT);
+                    next += 1;
+                }
+            }
+        }
     }
 
     /// Gives each of the mesh's parts, and which of its primitives the part has.

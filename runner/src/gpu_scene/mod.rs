@@ -1,6 +1,7 @@
 //! A scene on the device: buffers, textures, acceleration structures, and descriptor set 0 that shows them to shaders.
 
 pub mod arrays;
+pub mod past;
 
 use crate::error::Result;
 use crate::scene::lights::LightTable;
@@ -12,10 +13,11 @@ use crate::vulkan::{
 };
 use arrays::SceneArrays;
 use ash::vk;
-use glam::{Affine3A, UVec2};
+use glam::{Affine3A, UVec2, Vec3A};
+use past::Past;
 use shared::frame::features;
 use shared::interface::scene_binding;
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 
 /// The device's copy of a scene. Its handles stay valid as long as it lives.
@@ -24,12 +26,15 @@ pub struct GpuScene {
     light_count: u32,
     environment_size: UVec2,
     features: u32,
-    bytes: u64,
+    /// Without the geometry.
+    arrays: SceneArrays,
+    /// By their binding.
+    buffers: BTreeMap<u32, Buffer>,
+    blas: BlasSet,
+    tlas: Tlas,
+    past: Option<Past>,
     // Kept for the descriptors above.
-    _buffers: Vec<Buffer>,
     _textures: Vec<Image>,
-    _blas: BlasSet,
-    _tlas: Tlas,
 }
 
 impl GpuScene {
@@ -42,7 +47,7 @@ impl GpuScene {
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
         let positions = upload.buffer("positions", &arrays.positions, storage | BUILD_INPUT)?;
         let indices = upload.buffer("indices", &arrays.indices, storage | BUILD_INPUT)?;
-        let buffers = vec![
+        let buffers = BTreeMap::from([
             (scene_binding::INSTANCES, upload.buffer("instances", &arrays.instances, storage)?),
             (scene_binding::POSITIONS, positions),
             (scene_binding::ATTRIBUTES, upload.buffer("vertex attributes", &arrays.attributes, storage)?),
@@ -52,12 +57,13 @@ impl GpuScene {
             (scene_binding::ALIAS, upload.buffer("alias table", &lights.alias, storage)?),
             (scene_binding::SECOND_UVS, upload.buffer("second uvs", &arrays.second_uvs, storage)?),
             (scene_binding::ENVIRONMENT, upload.buffer("environment map", environment, storage)?),
-        ];
+        ]);
         let (textures, views) = upload_textures(device, &mut upload, scene)?;
         upload.finish()?;
 
-        let blas = BlasSet::build(device, &geometries(&arrays, &buffers[1].1, &buffers[3].1))?;
-        let tlas = Tlas::build(device, &blas, &tlas_instances(scene, &arrays))?;
+        let (positions, indices) = (&buffers[&scene_binding::POSITIONS], &buffers[&scene_binding::INDICES]);
+        let blas = BlasSet::build(device, &geometries(&arrays, positions, indices))?;
+        let tlas = Tlas::build(device, &blas, &tlas_instances(&arrays))?;
         let set = DescriptorSet::new(
             device,
             "scene",
@@ -69,18 +75,17 @@ impl GpuScene {
             set.bind_storage_buffer(*binding, buffer);
         }
         set.bind_textures(scene_binding::TEXTURES, &views);
-        let buffers: Vec<Buffer> = buffers.into_iter().map(|(_, buffer)| buffer).collect();
-        let bytes = buffers.iter().map(Buffer::size).sum::<u64>() + blas.bytes() + tlas.bytes();
         Ok(GpuScene {
             set,
             light_count: lights.lights.len() as u32,
             environment_size: scene.environment.as_ref().map_or(UVec2::ZERO, |map| map.size),
             features: arrays.features,
-            bytes,
-            _buffers: buffers,
+            arrays: arrays.without_geometry(),
+            buffers,
+            blas,
+            tlas,
+            past: None,
             _textures: textures,
-            _blas: blas,
-            _tlas: tlas,
         })
     }
 
@@ -104,7 +109,8 @@ impl GpuScene {
 
     /// Device memory of geometry, lights and acceleration structures (without textures), bytes.
     pub fn bytes(&self) -> u64 {
-        self.bytes
+        let buffers = self.buffers.values().map(Buffer::size).sum::<u64>();
+        buffers + self.blas.bytes() + self.tlas.bytes() + self.past_bytes()
     }
 }
 
@@ -140,19 +146,30 @@ fn geometries(arrays: &SceneArrays, positions: &Buffer, indices: &Buffer) -> Vec
 /// Vulkan takes the facing in object space, so a transform that mirrors changes nothing: its front, where corners run
 /// clockwise in left-handed coordinates, is glTF's, where they run counter-clockwise in right-handed ones. Only rays that
 /// cull look at it; double-sided parts are never culled.
-fn tlas_instances(scene: &SceneDescription, arrays: &SceneArrays) -> Vec<TlasInstance> {
+///
+/// What is scaled to nothing can't be hit, and Vulkan wants a transform that has an inverse.
+fn tlas_instances(arrays: &SceneArrays) -> Vec<TlasInstance> {
     use vk::GeometryInstanceFlagsKHR as Flags;
-    let place = |placement: &arrays::Placement| TlasInstance {
-        transform: rows(&scene.instances[placement.instance].transform),
-        custom_index: placement.custom_index,
-        mask: 0xff,
-        blas: placement.part,
-        flags: match arrays.parts[placement.part].double_sided {
-            true => Flags::TRIANGLE_FACING_CULL_DISABLE,
-            false => Flags::empty(),
-        },
+    let place = |placement: &arrays::Placement| {
+        let transform = arrays.transforms[placement.instance];
+        let shown = has_area(&transform);
+        TlasInstance {
+            transform: rows(if shown { &transform } else { &Affine3A::IDENTITY }),
+            custom_index: placement.custom_index,
+            mask: if shown { 0xff } else { 0 },
+            blas: placement.part,
+            flags: match arrays.parts[placement.part].double_sided {
+                true => Flags::TRIANGLE_FACING_CULL_DISABLE,
+                false => Flags::empty(),
+            },
+        }
     };
     arrays.placements.iter().map(place).collect()
+}
+
+fn has_area(transform: &Affine3A) -> bool {
+    let [x, y, z] = [transform.x_axis, transform.y_axis, transform.z_axis];
+    [x.cross(y), y.cross(z), z.cross(x)].iter().any(|&area| area != Vec3A::ZERO)
 }
 
 /// The first three rows of a transform's matrix.

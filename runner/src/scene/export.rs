@@ -1,13 +1,16 @@
-//! Scenes as glTF 2.0: geometry, metallic-roughness materials with their textures, point lights, cameras. What other
+//! Scenes as glTF 2.0: geometry, metallic-roughness materials with their textures, point lights, cameras, and what
+//! moves (a root of the animation without a place of its own). What other
 //! workflows, alpha modes and texture transforms say is not written.
 
+use super::animation::{Curve, Interpolation, Local, Thing};
 use super::{
     Image, Instance, Material, Mesh, PointLight, Primitive, SceneCamera, SceneDescription, Texture, Wrap,
 };
 use crate::error::{Error, Result};
-use glam::{Mat4, Vec3};
+use glam::{DMat4, DVec3, Mat4, Vec3};
 use image::ImageEncoder;
 use serde_json::{Map, Value, json};
+use std::collections::HashSet;
 use std::sync::Arc;
 
 // Numbers of the glTF specification.
@@ -105,14 +108,14 @@ fn document(scene: &SceneDescription) -> Result<(Map<String, Value>, Vec<u8>)> {
     let meshes: Vec<Value> = scene.meshes.iter().map(|mesh| mesh_json(mesh, &mut bin)).collect();
     let (images, textures, samplers) = textures_json(&scene.textures, &mut bin)?;
     let materials: Vec<Value> = scene.materials.iter().map(material_json).collect();
-    let nodes = nodes_json(scene);
+    let (nodes, roots) = nodes_json(scene);
+    let animations = animations_json(scene, nodes.len() - scene.animation.nodes.len(), &mut bin);
     let lights: Vec<Value> = scene.point_lights.iter().map(light_json).collect();
     let mut root = Map::new();
     root.insert("asset".into(), json!({ "version": "2.0", "generator": "Candela" }));
     if !nodes.is_empty() {
-        let all: Vec<usize> = (0..nodes.len()).collect();
         root.insert("scene".into(), json!(0));
-        root.insert("scenes".into(), json!([{ "name": scene.name, "nodes": all }]));
+        root.insert("scenes".into(), json!([{ "name": scene.name, "nodes": roots }]));
     }
     let mut used = Vec::new();
     if !lights.is_empty() {
@@ -124,8 +127,9 @@ fn document(scene: &SceneDescription) -> Result<(Map<String, Value>, Vec<u8>)> {
     }
     let cameras = scene.cameras.iter().map(camera_json).collect();
     let used = used.into_iter().map(Value::from).collect();
-    let lists: [(&str, Vec<Value>); 10] = [
+    let lists: [(&str, Vec<Value>); 11] = [
         ("accessors", bin.accessors),
+        ("animations", animations),
         ("bufferViews", bin.views),
         ("cameras", cameras),
         ("extensionsUsed", used),
@@ -270,16 +274,22 @@ fn camera_json(camera: &SceneCamera) -> Value {
     })
 }
 
-fn nodes_json(scene: &SceneDescription) -> Vec<Value> {
-    let instance = |instance: &Instance| {
+/// The nodes, those of the animation last, and which of them are roots. What moves hangs on a node of the animation and has
+/// no transform of its own.
+fn nodes_json(scene: &SceneDescription) -> (Vec<Value>, Vec<usize>) {
+    let moves = |thing| scene.animation.moves(thing);
+    let instance = |(i, instance): (usize, &Instance)| {
         let mut node = json!({ "name": instance.name, "mesh": instance.mesh });
         let matrix = Mat4::from(instance.transform);
-        if matrix != Mat4::IDENTITY {
+        if matrix != Mat4::IDENTITY && !moves(Thing::Instance(i)) {
             node["matrix"] = json!(matrix.to_cols_array());
         }
         node
     };
     let camera = |(i, camera): (usize, &SceneCamera)| {
+        if moves(Thing::Camera(i)) {
+            return json!({ "name": camera.name, "camera": i });
+        }
         // A glTF camera looks along -z of its node.
         let back = -camera.forward;
         let right = camera.up.cross(back).normalize_or(back.any_orthonormal_vector());
@@ -288,14 +298,79 @@ fn nodes_json(scene: &SceneDescription) -> Vec<Value> {
         json!({ "name": camera.name, "camera": i, "matrix": matrix.to_cols_array() })
     };
     let light = |(i, light): (usize, &PointLight)| {
-        json!({
-            "translation": light.position.to_array(),
-            "extensions": { "KHR_lights_punctual": { "light": i } },
-        })
+        let extensions = json!({ "KHR_lights_punctual": { "light": i } });
+        match moves(Thing::PointLight(i)) {
+            true => json!({ "extensions": extensions }),
+            false => json!({ "translation": light.position.to_array(), "extensions": extensions }),
+        }
     };
-    let instances = scene.instances.iter().map(instance);
+    let instances = scene.instances.iter().enumerate().map(instance);
     let cameras = scene.cameras.iter().enumerate().map(camera);
-    instances.chain(cameras).chain(scene.point_lights.iter().enumerate().map(light)).collect()
+    let lights = scene.point_lights.iter().enumerate().map(light);
+    let mut nodes: Vec<Value> = instances.chain(cameras).chain(lights).collect();
+    let first = nodes.len();
+    let mut children = vec![Vec::new(); scene.animation.nodes.len()];
+    for &(thing, node) in &scene.animation.attached {
+        children[node].extend(match thing {
+            Thing::Instance(i) => Some(i),
+            Thing::Camera(i) => Some(scene.instances.len() + i),
+            Thing::PointLight(i) => Some(scene.instances.len() + scene.cameras.len() + i),
+            Thing::SpotLight(_) | Thing::DirectionalLight(_) => None,
+        });
+    }
+    for (i, node) in scene.animation.nodes.iter().enumerate() {
+        children.get_mut(node.parent.unwrap_or(usize::MAX)).into_iter().for_each(|list| list.push(first + i));
+    }
+    let child: HashSet<usize> = children.iter().flatten().copied().collect();
+    for (node, children) in scene.animation.nodes.iter().zip(&children) {
+        let mut json = match node.rest {
+            Local::Matrix(affine) => json!({ "matrix": DMat4::from(affine).as_mat4().to_cols_array() }),
+            Local::Trs { translation, rotation, scale } => json!({
+                "translation": translation.as_vec3().to_array(),
+                "rotation": rotation.as_quat().to_array(),
+                "scale": scale.as_vec3().to_array(),
+            }),
+        };
+        if !children.is_empty() {
+            json["children"] = json!(children);
+        }
+        nodes.push(json);
+    }
+    let roots = (0..nodes.len()).filter(|i| !child.contains(i)).collect();
+    (nodes, roots)
+}
+
+/// One animation with all channels; `first`: the node that the animation's first one became.
+fn animations_json(scene: &SceneDescription, first: usize, bin: &mut Binary) -> Vec<Value> {
+    let (mut samplers, mut channels) = (Vec::new(), Vec::new());
+    for (i, channel) in scene.animation.channels.iter().enumerate() {
+        let three =
+            |values: &[DVec3]| values.iter().flat_map(|v| v.as_vec3().to_array()).collect::<Vec<f32>>();
+        let (path, times, interpolation, kind, values) = match &channel.curve {
+            Curve::Translation(t) => ("translation", &t.times, t.interpolation, "VEC3", three(&t.values)),
+            Curve::Scale(t) => ("scale", &t.times, t.interpolation, "VEC3", three(&t.values)),
+            Curve::Rotation(t) => {
+                let values = t.values.iter().flat_map(|v| v.as_vec4().to_array()).collect();
+                ("rotation", &t.times, t.interpolation, "VEC4", values)
+            }
+        };
+        let interpolation = match interpolation {
+            Interpolation::Step => "STEP",
+            Interpolation::Linear => "LINEAR",
+            Interpolation::CubicSpline => "CUBICSPLINE",
+        };
+        let view = bin.view(bytemuck::cast_slice(times), None);
+        let input = bin.accessor(view, FLOAT, "SCALAR", times.len());
+        bin.accessors[input]["min"] = json!([times.first()]);
+        bin.accessors[input]["max"] = json!([times.last()]);
+        let count = values.len() / if kind == "VEC4" { 4 } else { 3 };
+        let view = bin.view(bytemuck::cast_slice(&values), None);
+        let output = bin.accessor(view, FLOAT, kind, count);
+        samplers.push(json!({ "input": input, "output": output, "interpolation": interpolation }));
+        let target = json!({ "node": first + channel.node, "path": path });
+        channels.push(json!({ "sampler": i, "target": target }));
+    }
+    if channels.is_empty() { vec![] } else { vec![json!({ "samplers": samplers, "channels": channels })] }
 }
 
 #[cfg(test)]

@@ -1,11 +1,12 @@
 //! Small scenes with known answers, as files: one step of a loader or of the estimator each. No function here rounds
 //! differently from one machine to another (no sine, no power), so the files can be compared byte by byte.
 
+use super::animation::{Channel, Curve, Interpolation, Local, Node, Thing, Track};
 use super::export::to_glb;
 use super::shapes::{Shape, cuboid, polygon};
 use super::{Instance, Material, Mesh, PointLight, SceneCamera, SceneDescription};
 use crate::error::{Error, Result};
-use glam::{Affine3A, Mat3, Vec3, Vec4};
+use glam::{Affine3A, DAffine3, DQuat, DVec3, DVec4, Mat3, Vec3, Vec4};
 use std::path::{Path, PathBuf};
 
 /// File name without its extension, and the scene.
@@ -16,6 +17,7 @@ pub fn all() -> Vec<(&'static str, SceneDescription)> {
         ("point-lights", point_lights()),
         ("occluder", occluder()),
         ("instances", instances()),
+        ("moving", moving()),
     ]
 }
 
@@ -199,6 +201,62 @@ fn instances() -> SceneDescription {
     scene
 }
 
+/// Within 2 s: the camera flies a spline, a block turns about itself and slides, a lamp of two triangles swings up on a turning
+/// arm, and a point light steps from place to place.
+fn moving() -> SceneDescription {
+    let mut scene = scene("moving", Vec3::new(0.0, 2.0, 4.5), Vec3::new(0.0, 0.5, 0.0));
+    add(&mut scene, "floor", square(3.0, 0.0, Vec3::Y), diffuse([0.5, 0.5, 0.5]));
+    let half = Vec3::new(0.25, 0.4, 0.25);
+    add(&mut scene, "block", cuboid(-half, half), diffuse([0.7, 0.3, 0.1]));
+    add(&mut scene, "lamp", square(0.3, 0.0, Vec3::NEG_Y), emitter(Vec3::new(60.0, 80.0, 120.0), false));
+    scene
+        .point_lights
+        .push(PointLight { position: Vec3::new(-1.0, 1.5, 1.0), intensity: Vec3::new(20.0, 14.0, 6.0) });
+    let still = Local::Trs { translation: DVec3::ZERO, rotation: DQuat::IDENTITY, scale: DVec3::ONE };
+    let node = |parent| Node { parent, base: DAffine3::IDENTITY, rest: still };
+    // camera, block, arm, lamp at the arm's end, light
+    scene.animation.nodes = vec![node(None), node(None), node(None), node(Some(2)), node(None)];
+    scene.animation.attached = vec![
+        (Thing::Camera(0), 0),
+        (Thing::Instance(1), 1),
+        (Thing::Instance(2), 3),
+        (Thing::PointLight(0), 4),
+    ];
+    fn track<T>(interpolation: Interpolation, times: &[f32], values: Vec<T>) -> Track<T> {
+        Track { interpolation, times: times.to_vec(), values }
+    }
+    use Interpolation::{CubicSpline, Linear, Step};
+    let v = DVec3::new;
+    // Looks down by the angle with sine 7/25: half of it has sine 1/sqrt(50), cosine 7/sqrt(50).
+    let down = DVec4::new(-0.141_421_35, 0.0, 0.0, 0.989_949_5);
+    let fly = vec![
+        v(0.0, 0.0, 0.0),
+        v(-0.6, 1.8, 4.5),
+        v(0.6, 0.0, 0.0),
+        v(0.6, 0.0, 0.0),
+        v(0.6, 1.6, 4.2),
+        v(0.0, 0.0, 0.0),
+    ];
+    let quarters = [(0.0, 1.0), (0.6, 0.8), (1.0, 0.0)].map(|(sin, cos)| DVec4::new(0.0, sin, 0.0, cos));
+    let slide = vec![v(-0.9, 0.4, 0.0), v(0.3, 0.4, 0.5), v(0.8, 0.4, -0.4)];
+    let swing = vec![DVec4::new(0.0, 0.0, -0.28, 0.96), DVec4::new(0.0, 0.0, 0.28, 0.96)];
+    let jumps = vec![v(-1.2, 1.4, 0.9), v(-0.4, 1.8, 1.2)];
+    let curves = [
+        (0, Curve::Translation(track(CubicSpline, &[0.0, 2.0], fly))),
+        (0, Curve::Rotation(track(Step, &[0.0], vec![down]))),
+        (1, Curve::Rotation(track(Linear, &[0.0, 1.0, 2.0], quarters.to_vec()))),
+        (1, Curve::Translation(track(Linear, &[0.0, 0.75, 2.0], slide))),
+        (2, Curve::Rotation(track(Linear, &[0.0, 2.0], swing))),
+        (3, Curve::Translation(track(Step, &[0.0], vec![v(0.0, 1.6, 0.0)]))),
+        (3, Curve::Scale(track(Linear, &[0.0, 2.0], vec![v(1.0, 1.0, 1.0), v(1.5, 1.0, 1.5)]))),
+        (4, Curve::Translation(track(Step, &[0.0, 1.0], jumps))),
+    ];
+    scene.animation.channels = curves.map(|(node, curve)| Channel { node, curve }).to_vec();
+    let start = scene.pose(0.0);
+    scene.apply(&start);
+    scene
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -249,6 +307,7 @@ mod tests {
                 match name {
                     "cornell-box" => 1,
                     "emissive-triangles" => 5,
+                    "moving" => 1,
                     _ => 0,
                 },
                 "{name}"
@@ -267,6 +326,32 @@ mod tests {
         // A directory can't be made under a file.
         let error = write_all(&committed().join("occluder.glb/below")).unwrap_err().to_string();
         assert!(error.contains("below: can't make the directory"), "{error}");
+    }
+
+    /// The loader gives the motion back that the exporter wrote (f32 in the file).
+    #[test]
+    fn motion_survives_the_file() {
+        let scene = moving();
+        let loaded = crate::scene::gltf::load(&committed().join("moving.glb")).unwrap();
+        assert!(loaded.warnings.is_empty(), "{:?}", loaded.warnings);
+        assert_eq!(loaded.animation.duration(), 2.0);
+        for time in [0.0, 0.3, 0.75, 1.0, 1.7, 5.0] {
+            let (mut ours, mut theirs) = (scene.clone(), loaded.clone());
+            ours.apply(&scene.pose(time));
+            theirs.apply(&loaded.pose(time));
+            let transforms =
+                |s: &SceneDescription| s.instances.iter().map(|i| i.transform).collect::<Vec<_>>();
+            for (a, b) in transforms(&ours).iter().zip(transforms(&theirs)) {
+                assert!(a.abs_diff_eq(b, 1e-5), "at {time}: {a} {b}");
+            }
+            assert!(ours.point_lights[0].position.abs_diff_eq(theirs.point_lights[0].position, 1e-5));
+            assert!(ours.cameras[0].position.abs_diff_eq(theirs.cameras[0].position, 1e-5), "at {time}");
+            assert!(ours.cameras[0].forward.abs_diff_eq(theirs.cameras[0].forward, 1e-5));
+        }
+        let still = |s: &SceneDescription| s.point_lights[0].position;
+        let mut later = scene.clone();
+        later.apply(&scene.pose(1.0));
+        assert_ne!(still(&later), still(&scene), "it does move");
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! A scene as plain CPU data: no Vulkan type, no file handle. Loaders and generators make it, `gpu_scene` uploads it.
 
+pub mod animation;
 pub mod atrium;
 pub mod camera;
 pub mod environment;
@@ -32,6 +33,8 @@ pub struct SceneDescription {
     pub directional_lights: Vec<DirectionalLight>,
     pub environment: Option<Environment>,
     pub cameras: Vec<SceneCamera>,
+    /// What moves; the fields above hold it at rest, or where [`SceneDescription::apply`] put it.
+    pub animation: animation::Animation,
     /// One line each: what the file has and the picture will not show, and why.
     pub warnings: Vec<String>,
 }
@@ -267,7 +270,24 @@ impl Bounds {
     }
 }
 
+impl Mesh {
+    /// Object-space box.
+    pub fn bounds(&self) -> Bounds {
+        let mut bounds = Bounds::default();
+        self.primitives.iter().flat_map(|p| &p.positions).for_each(|&p| bounds.add(p));
+        bounds
+    }
+}
+
 impl SceneDescription {
+    /// Radius of the sphere around everything, wherever it moves, m.
+    pub fn radius(&self) -> f32 {
+        let (mut bounds, swept) = (self.bounds(), self.animation.swept(self));
+        bounds.min = bounds.min.min(swept.min);
+        bounds.max = bounds.max.max(swept.max);
+        bounds.radius()
+    }
+
     /// World-space box around all instances.
     pub fn bounds(&self) -> Bounds {
         let mut bounds = Bounds::default();

@@ -31,9 +31,9 @@ pub const BUILD_INPUT: vk::BufferUsageFlags =
     vk::BufferUsageFlags::ACCELERATION_STRUCTURE_BUILD_INPUT_READ_ONLY_KHR;
 
 /// One structure; the buffer it lies in is its owner's.
-struct Structure {
+pub(super) struct Structure {
     device: Device,
-    handle: vk::AccelerationStructureKHR,
+    pub(super) handle: vk::AccelerationStructureKHR,
 }
 
 impl Structure {
@@ -77,7 +77,7 @@ fn storage(device: &Device, name: &str, size: u64) -> Result<Buffer> {
 }
 
 /// Scratch memory for builds, and its address aligned as builds need it.
-fn scratch(device: &Device, size: u64) -> Result<(Buffer, vk::DeviceAddress)> {
+pub(super) fn scratch(device: &Device, size: u64) -> Result<(Buffer, vk::DeviceAddress)> {
     let alignment = u64::from(device.limits().scratch_alignment).max(1);
     let usage = vk::BufferUsageFlags::STORAGE_BUFFER;
     let buffer = Buffer::unbounded(device, "build scratch", size + alignment, usage, Memory::Device)?;
@@ -86,13 +86,13 @@ fn scratch(device: &Device, size: u64) -> Result<(Buffer, vk::DeviceAddress)> {
 }
 
 /// What a build needs of memory, and the geometry that it reads.
-struct Build {
+pub(super) struct Build {
     geometries: Vec<vk::AccelerationStructureGeometryKHR<'static>>,
     ranges: Vec<vk::AccelerationStructureBuildRangeInfoKHR>,
     kind: vk::AccelerationStructureTypeKHR,
     /// Bytes of the structure and of scratch, each aligned.
     size: u64,
-    scratch: u64,
+    pub(super) scratch: u64,
 }
 
 impl Build {
@@ -123,6 +123,16 @@ impl Build {
         build
     }
 
+    /// A top-level structure over `count` records at this address.
+    pub(super) fn of_instances(device: &Device, records: vk::DeviceAddress, count: u32) -> Build {
+        let data = vk::AccelerationStructureGeometryInstancesDataKHR::default()
+            .data(vk::DeviceOrHostAddressConstKHR { device_address: records });
+        let geometry = vk::AccelerationStructureGeometryKHR::default()
+            .geometry_type(vk::GeometryTypeKHR::INSTANCES)
+            .geometry(vk::AccelerationStructureGeometryDataKHR { instances: data });
+        Build::new(device, vk::AccelerationStructureTypeKHR::TOP_LEVEL, vec![geometry], &[count])
+    }
+
     fn info(&self) -> vk::AccelerationStructureBuildGeometryInfoKHR<'_> {
         use vk::BuildAccelerationStructureFlagsKHR as Flags;
         let compact = match self.kind {
@@ -138,7 +148,7 @@ impl Build {
 }
 
 /// Records the builds, side by side; `scratch` holds the sum of what they need. Traces and copies may follow.
-fn record_builds(
+pub(super) fn record_builds(
     device: &Device,
     cmd: vk::CommandBuffer,
     builds: &[Build],
@@ -310,7 +320,7 @@ pub struct TlasInstance {
 /// `VkAccelerationStructureInstanceKHR`: 64 bytes.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
-struct InstanceRecord {
+pub(super) struct InstanceRecord {
     transform: [f32; 12],
     index_and_mask: u32,
     table_offset_and_flags: u32,
@@ -318,7 +328,7 @@ struct InstanceRecord {
 }
 
 impl TlasInstance {
-    fn record(&self, set: &BlasSet) -> Result<InstanceRecord> {
+    pub(super) fn record(&self, set: &BlasSet) -> Result<InstanceRecord> {
         if self.custom_index >> 24 != 0 {
             let index = self.custom_index;
             return Err(Error::Usage(format!(
@@ -339,7 +349,7 @@ impl TlasInstance {
 
 /// A top-level structure. It refers to its `BlasSet`, which must live as long.
 pub struct Tlas {
-    structure: Structure,
+    pub(super) structure: Structure,
     storage: Buffer,
 }
 
@@ -349,15 +359,8 @@ impl Tlas {
         check_limit(device, "instances", instances.len() as u64, device.limits().max_instances)?;
         let records = instances.iter().map(|i| i.record(set)).collect::<Result<Vec<_>>>()?;
         let records = Buffer::from_slice(device, "instances of the TLAS", &records, BUILD_INPUT)?;
-        let data = vk::AccelerationStructureGeometryInstancesDataKHR::default()
-            .data(vk::DeviceOrHostAddressConstKHR { device_address: records.address() });
-        let geometry = vk::AccelerationStructureGeometryKHR::default()
-            .geometry_type(vk::GeometryTypeKHR::INSTANCES)
-            .geometry(vk::AccelerationStructureGeometryDataKHR { instances: data });
-        let kind = vk::AccelerationStructureTypeKHR::TOP_LEVEL;
-        let build = Build::new(device, kind, vec![geometry], &[instances.len() as u32]);
-        let storage = storage(device, "TLAS", build.size)?;
-        let structure = Structure::new(device, "TLAS", kind, &storage, 0, build.size)?;
+        let build = Build::of_instances(device, records.address(), instances.len() as u32);
+        let Tlas { structure, storage } = Tlas::empty(device, "TLAS", &build)?;
         let (_scratch, scratch) = scratch(device, build.scratch)?;
         let (builds, targets) = ([build], [structure]);
         device.submit_once("build the top-level acceleration structure", |cmd| {
@@ -365,6 +368,13 @@ impl Tlas {
             Ok(())
         })?;
         let [structure] = targets;
+        Ok(Tlas { structure, storage })
+    }
+
+    /// Room for what `build` makes.
+    pub(super) fn empty(device: &Device, name: &str, build: &Build) -> Result<Tlas> {
+        let storage = storage(device, name, build.size)?;
+        let structure = Structure::new(device, name, build.kind, &storage, 0, build.size)?;
         Ok(Tlas { structure, storage })
     }
 

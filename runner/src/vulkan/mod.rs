@@ -18,6 +18,7 @@ pub mod shader_table;
 pub mod surface;
 pub mod swapchain;
 pub mod timing;
+pub mod top_level;
 pub mod upload;
 
 #[cfg(test)]
@@ -33,6 +34,7 @@ pub use physical::DeviceInfo;
 pub use pipeline::{ComputePipeline, Interface, Pipeline, Shader};
 pub use ray_pipeline::{HitGroup, RayPipeline, RayPipelineDesc};
 pub use timing::Timestamps;
+pub use top_level::TlasUpdate;
 pub use upload::Uploader;
 
 use crate::error::{Error, Result};

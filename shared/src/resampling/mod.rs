@@ -1,6 +1,7 @@
 //! The three steps of ReSTIR DI, each a pair of pure functions around a ray, and what they share.
 
 pub mod initial;
+pub mod moving;
 pub mod pairwise;
 pub mod spatial;
 pub mod temporal;

@@ -7,7 +7,7 @@ use crate::light::LightTable;
 use crate::reservoir::{Reservoir, StoredReservoir};
 use crate::rng::{Rng, unit_f32};
 use crate::surface::{GBufferTexel, Surface};
-use glam::{UVec2, Vec2};
+use glam::{UVec2, Vec2, Vec3};
 
 /// Where `surface` was seen in the previous frame.
 #[derive(Clone, Copy, Debug)]
@@ -21,7 +21,16 @@ pub struct Place {
 ///
 /// Positions are subtracted camera from camera first: near numbers, whatever the distance from the origin.
 pub fn previous_place(frame: &FrameConstants, surface: &Surface) -> Option<Place> {
-    let relative = (frame.camera.position - frame.previous_camera.position) - surface.wo * surface.distance;
+    place_of(frame, relative_to_previous(frame, surface))
+}
+
+/// From the previous frame's camera to `surface`, m.
+pub(super) fn relative_to_previous(frame: &FrameConstants, surface: &Surface) -> Vec3 {
+    (frame.camera.position - frame.previous_camera.position) - surface.wo * surface.distance
+}
+
+/// Where the previous frame saw what was at `relative` to its camera, m.
+pub(super) fn place_of(frame: &FrameConstants, relative: Vec3) -> Option<Place> {
     let place = frame.previous_camera.project(relative, frame.size);
     let inside = place.cmpge(Vec2::ZERO).all() && place.cmplt(frame.size.as_vec2()).all();
     if frame.index == 0 || !inside {
@@ -32,10 +41,20 @@ pub fn previous_place(frame: &FrameConstants, surface: &Surface) -> Option<Place
 
 /// The pixel of the previous frame that saw `surface`, or none.
 pub fn reproject(frame: &FrameConstants, surface: &Surface, previous_gbuffer: Pixels<'_>) -> Option<UVec2> {
-    let place = previous_place(frame, surface)?;
+    similar_at(frame, surface, surface.normal, previous_place(frame, surface)?, previous_gbuffer)
+}
+
+/// The pixel of `place` if it saw `surface`, whose normal was `normal` then.
+pub(super) fn similar_at(
+    frame: &FrameConstants,
+    surface: &Surface,
+    normal: Vec3,
+    place: Place,
+    previous_gbuffer: Pixels<'_>,
+) -> Option<UVec2> {
     let texel = previous_gbuffer.gbuffer[frame.pixel_index(place.pixel) as usize];
-    let same = is_similar(&frame.settings, place.distance, surface.normal, &texel)
-        && is_similar_albedo(surface, &texel);
+    let same =
+        is_similar(&frame.settings, place.distance, normal, &texel) && is_similar_albedo(surface, &texel);
     if same { Some(place.pixel) } else { None }
 }
 
@@ -70,6 +89,16 @@ pub fn biased(
         return current;
     };
     let history = capped_history(frame, current, previous, pixel, lane);
+    merge_biased(lights, surface, current, history, rng)
+}
+
+pub(super) fn merge_biased(
+    lights: LightTable<'_>,
+    surface: &Surface,
+    current: StoredReservoir,
+    history: StoredReservoir,
+    rng: &mut Rng,
+) -> StoredReservoir {
     let random = rng.next_u32x4();
     let mut merged = Reservoir::default();
     merged.merge(current, target_of(surface, lights, current), unit_f32(random.x));

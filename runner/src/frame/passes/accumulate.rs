@@ -7,4 +7,5 @@ pub const PASS: Pass = Pass {
     stage: Stage::Compute,
     uses: &[(Role::Radiance, Access::Read), (Role::Mean, Access::ReadWrite)],
     extent: Extent::Pixels,
+    past: false,
 };

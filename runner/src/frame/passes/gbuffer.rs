@@ -7,4 +7,5 @@ pub const PASS: Pass = Pass {
     stage: Stage::RayTracing(Rays::Primary),
     uses: &[(Role::GBuffer, Access::Write), (Role::Radiance, Access::Write)],
     extent: Extent::Pixels,
+    past: false,
 };

@@ -7,4 +7,5 @@ pub const PASS: Pass = Pass {
     stage: Stage::RayTracing(Rays::Shadow),
     uses: &[(Role::GBuffer, Access::Read), (Role::ReservoirsOut, Access::Write)],
     extent: Extent::Reservoirs,
+    past: false,
 };

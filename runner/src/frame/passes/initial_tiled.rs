@@ -12,4 +12,5 @@ pub const PASS: Pass = Pass {
         (Role::TilePoints, Access::Read),
     ],
     extent: Extent::Reservoirs,
+    past: false,
 };

@@ -11,22 +11,27 @@ pub mod spatial;
 pub mod spatial_unbiased;
 pub mod statistics;
 pub mod temporal;
+pub mod temporal_moving;
 pub mod temporal_unbiased;
+pub mod temporal_unbiased_moving;
 pub mod tonemap;
 pub mod view;
 
 use super::pass::Pass;
 
-/// All passes. A frame takes either the biased or the unbiased pair of reuse passes; `reference` stands in for all from `initial`
-/// to `shade`. The last three are the viewer's: they follow where it asks for them.
-pub const ALL: [&Pass; 14] = [
+/// All passes. A frame takes either the biased or the unbiased pair of reuse passes, the temporal one `_moving` where something
+/// moved; `reference` stands in for all from `initial` to `shade`. The last three are the viewer's: they follow where it asks
+/// for them.
+pub const ALL: [&Pass; 16] = [
     &gbuffer::PASS,
     &initial::PASS,
     &presample::PASS,
     &initial_tiled::PASS,
     &temporal::PASS,
     &spatial::PASS,
+    &temporal_moving::PASS,
     &temporal_unbiased::PASS,
+    &temporal_unbiased_moving::PASS,
     &spatial_unbiased::PASS,
     &shade::PASS,
     &reference::PASS,

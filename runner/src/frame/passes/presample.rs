@@ -7,4 +7,5 @@ pub const PASS: Pass = Pass {
     stage: Stage::Compute,
     uses: &[(Role::TileEntries, Access::Write), (Role::TilePoints, Access::Write)],
     extent: Extent::Tiles,
+    past: false,
 };

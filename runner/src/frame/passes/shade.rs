@@ -11,4 +11,5 @@ pub const PASS: Pass = Pass {
         (Role::Radiance, Access::ReadWrite),
     ],
     extent: Extent::Pixels,
+    past: false,
 };

@@ -11,4 +11,5 @@ pub const PASS: Pass = Pass {
         (Role::ReservoirsOut, Access::Write),
     ],
     extent: Extent::Reservoirs,
+    past: false,
 };

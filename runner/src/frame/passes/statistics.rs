@@ -12,4 +12,5 @@ pub const PASS: Pass = Pass {
         (Role::Statistics, Access::Write),
     ],
     extent: Extent::Blocks,
+    past: false,
 };

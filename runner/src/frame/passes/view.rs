@@ -14,4 +14,5 @@ pub const PASS: Pass = Pass {
         (Role::Reference, Access::Read),
     ],
     extent: Extent::Pixels,
+    past: false,
 };

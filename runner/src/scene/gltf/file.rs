@@ -25,6 +25,7 @@ pub fn parse(bytes: &[u8], base: &Path) -> Reason<(Document, Vec<Vec<u8>>)> {
     check_version(&root.asset)?;
     check_extensions(&root)?;
     check_position_accessors(&root)?;
+    check_animations(&root)?;
     let document = Document::from_json(root).map_err(describe)?;
     let buffers = read_buffers(&document, base, blob)?;
     Ok((document, buffers))
@@ -77,6 +78,27 @@ fn check_position_accessors(root: &gltf::json::Root) -> Reason<()> {
                     "meshes[{m}].primitives[{p}]: accessor {index} of {count} does not exist"
                 ));
             }
+        }
+    }
+    Ok(())
+}
+
+/// The validation of the gltf crate does not look at all indices of animations.
+fn check_animations(root: &gltf::json::Root) -> Reason<()> {
+    let exists = |what: &str, index: usize, count: usize| match index < count {
+        true => Ok(()),
+        false => Err(format!("{what} {index} of {count} does not exist")),
+    };
+    for (a, animation) in root.animations.iter().enumerate() {
+        for (c, channel) in animation.channels.iter().enumerate() {
+            exists("node", channel.target.node.value(), root.nodes.len())
+                .and_then(|()| exists("sampler", channel.sampler.value(), animation.samplers.len()))
+                .map_err(|reason| format!("animations[{a}].channels[{c}]: {reason}"))?;
+        }
+        for (s, sampler) in animation.samplers.iter().enumerate() {
+            exists("accessor", sampler.input.value(), root.accessors.len())
+                .and_then(|()| exists("accessor", sampler.output.value(), root.accessors.len()))
+                .map_err(|reason| format!("animations[{a}].samplers[{s}]: {reason}"))?;
         }
     }
     Ok(())

@@ -3,6 +3,7 @@
 //! A file is not trusted: whatever its bytes are, loading ends with a scene or one line that says what is wrong.
 
 mod accessors;
+mod animations;
 mod file;
 mod geometry;
 mod images;
@@ -14,6 +15,7 @@ mod tests;
 mod uri;
 mod warnings;
 
+use super::animation::Thing;
 use super::{Instance, Mesh, SceneDescription};
 use crate::error::{Error, Result};
 use glam::Vec3;
@@ -47,6 +49,7 @@ fn scene_of(bytes: &[u8], base: &Path) -> Reason<SceneDescription> {
     let mut warnings = Warnings::default();
     warn_of_features(&document, &mut warnings);
     let nodes = nodes::place(&document)?;
+    let motion = animations::read(&document, &nodes, &buffers, &mut warnings)?;
     let worn = nodes.iter().filter_map(|placed| placed.node.mesh()).flat_map(|mesh| mesh.primitives());
     let images = materials::images_of(worn.map(|primitive| primitive.material()));
     let images = images::load(&document, &images, base, &buffers);
@@ -54,11 +57,11 @@ fn scene_of(bytes: &[u8], base: &Path) -> Reason<SceneDescription> {
         buffers: &buffers,
         materials: Materials::new(images),
         known_meshes: HashMap::new(),
-        scene: SceneDescription::default(),
+        scene: SceneDescription { animation: motion.animation, ..SceneDescription::default() },
         warnings,
     };
-    for placed in &nodes {
-        loader.add(placed)?;
+    for (placed, &moving) in nodes.iter().zip(&motion.of_placed) {
+        loader.add(placed, moving)?;
     }
     loader.finish()
 }
@@ -66,10 +69,6 @@ fn scene_of(bytes: &[u8], base: &Path) -> Reason<SceneDescription> {
 fn warn_of_features(document: &Document, warnings: &mut Warnings) {
     for extension in document.extensions_used().filter(|name| !file::SUPPORTED_EXTENSIONS.contains(name)) {
         warnings.add("extensions without an effect here", extension);
-    }
-    for animation in document.animations() {
-        let label = label("animation", animation.index(), animation.name());
-        warnings.add("animations are not played", &label);
     }
 }
 
@@ -84,21 +83,33 @@ struct Loader<'b> {
 }
 
 impl Loader<'_> {
-    fn add(&mut self, placed: &Placed) -> Reason<()> {
-        self.scene.cameras.extend(placed.camera(&mut self.warnings));
-        placed.add_light(&mut self.scene, &mut self.warnings)?;
+    /// `moving`: the node of the scene's animation that this one is.
+    fn add(&mut self, placed: &Placed, moving: Option<usize>) -> Reason<()> {
+        if let Some(camera) = placed.camera(&mut self.warnings) {
+            self.attach(moving, Thing::Camera(self.scene.cameras.len()));
+            self.scene.cameras.push(camera);
+        }
+        if let Some(light) = placed.add_light(&mut self.scene, &mut self.warnings)? {
+            self.attach(moving, light);
+        }
         let Some(mesh) = placed.node.mesh() else { return Ok(()) };
         if placed.node.skin().is_some() {
             self.warnings.add("skins are drawn as modelled", &placed.label);
         }
         let Some(mesh) = self.mesh(&mesh)? else { return Ok(()) };
-        let Some(transform) = placed.transform() else {
+        // What moves may grow later.
+        let Some(transform) = placed.transform().or(moving.map(|_| placed.world.as_affine3a())) else {
             self.warnings.add("scaled to nothing, so left out", &placed.label);
             return Ok(());
         };
         let name = placed.node.name().unwrap_or_default().to_owned();
+        self.attach(moving, Thing::Instance(self.scene.instances.len()));
         self.scene.instances.push(Instance { name, mesh, transform });
         Ok(())
+    }
+
+    fn attach(&mut self, moving: Option<usize>, thing: Thing) {
+        self.scene.animation.attached.extend(moving.map(|node| (thing, node)));
     }
 
     fn mesh(&mut self, source: &gltf::Mesh) -> Reason<Option<usize>> {
@@ -150,7 +161,11 @@ fn in_range(scene: &SceneDescription) -> bool {
         let mut positions = scene.meshes[instance.mesh].primitives.iter().flat_map(|p| &p.positions);
         positions.all(|&p| near(instance.transform.transform_point3(p)))
     };
-    scene.instances.iter().all(instance_is_near)
+    let swept = scene.animation.swept(scene);
+    let sweeps_near =
+        scene.instances.is_empty() || swept.min.x > swept.max.x || near(swept.min) && near(swept.max);
+    sweeps_near
+        && scene.instances.iter().all(instance_is_near)
         && scene.point_lights.iter().all(|light| near(light.position))
         && scene.spot_lights.iter().all(|light| near(light.position))
 }

@@ -2,6 +2,7 @@
 
 use super::warnings::Warnings;
 use super::{Reason, label};
+use crate::scene::animation::{Local, Thing, view_axes};
 use crate::scene::{DirectionalLight, PointLight, SceneCamera, SceneDescription, SpotLight};
 use glam::{Affine3A, DAffine3, DMat3, DMat4, DQuat, DVec3, Vec3};
 use gltf::khr_lights_punctual::Kind;
@@ -16,6 +17,9 @@ pub struct Placed<'a> {
     pub node: Node<'a>,
     /// Names the node in messages.
     pub label: String,
+    /// Place in the list of its parent, if it has one.
+    pub parent: Option<usize>,
+    pub local: Local,
     /// Object to world.
     pub world: DAffine3,
 }
@@ -26,9 +30,9 @@ pub fn place(document: &Document) -> Reason<Vec<Placed<'_>>> {
     let scene =
         document.default_scene().or_else(|| document.scenes().next()).ok_or("the file has no scene")?;
     let mut reached = vec![false; document.nodes().len()];
-    let mut placed = Vec::new();
+    let mut placed: Vec<Placed> = Vec::new();
     // An own stack: a file may nest its nodes deeper than the program's stack is. Reversed, as the last comes first.
-    let mut open: Vec<(Node, DAffine3)> = scene.nodes().map(|node| (node, DAffine3::IDENTITY)).collect();
+    let mut open: Vec<(Node, Option<usize>)> = scene.nodes().map(|node| (node, None)).collect();
     open.reverse();
     while let Some((node, parent)) = open.pop() {
         let label = label("node", node.index(), node.name());
@@ -36,18 +40,18 @@ pub fn place(document: &Document) -> Reason<Vec<Placed<'_>>> {
             return Err(format!("{label} has two parents, or is its own ancestor"));
         }
         let local = local_transform(node.transform()).map_err(|reason| format!("{label}: {reason}"))?;
-        let world = parent * local;
+        let world = parent.map_or(DAffine3::IDENTITY, |p: usize| placed[p].world) * local.affine();
         if !world.as_affine3a().is_finite() {
             return Err(format!("{label}: its transform to the world is infinite or no number"));
         }
         let children: Vec<Node> = node.children().collect();
-        open.extend(children.into_iter().rev().map(|child| (child, world)));
-        placed.push(Placed { node, label, world });
+        open.extend(children.into_iter().rev().map(|child| (child, Some(placed.len()))));
+        placed.push(Placed { node, label, parent, local, world });
     }
     Ok(placed)
 }
 
-fn local_transform(transform: Transform) -> Reason<DAffine3> {
+fn local_transform(transform: Transform) -> Reason<Local> {
     match transform {
         Transform::Matrix { matrix } => {
             let matrix = DMat4::from_cols_array_2d(&matrix.map(|column| column.map(f64::from)));
@@ -58,7 +62,7 @@ fn local_transform(transform: Transform) -> Reason<DAffine3> {
             if (row - glam::DVec4::W).abs().max_element() > 1e-5 {
                 return Err(format!("its matrix is not affine: the last row is {row}"));
             }
-            Ok(DAffine3::from_mat4(matrix))
+            Ok(Local::Matrix(DAffine3::from_mat4(matrix)))
         }
         Transform::Decomposed { translation, rotation, scale } => {
             let rotation = DQuat::from_array(rotation.map(f64::from));
@@ -66,7 +70,7 @@ fn local_transform(transform: Transform) -> Reason<DAffine3> {
                 return Err(format!("{rotation} is no rotation"));
             }
             let [translation, scale] = [translation, scale].map(|v| DVec3::from_array(v.map(f64::from)));
-            Ok(DAffine3::from_scale_rotation_translation(scale, rotation.normalize(), translation))
+            Ok(Local::Trs { translation, rotation: rotation.normalize(), scale })
         }
     }
 }
@@ -89,26 +93,24 @@ impl Placed<'_> {
                 return None;
             }
         };
-        let forward = -self.world.matrix3.z_axis.normalize_or_zero();
-        let up = self.world.matrix3.y_axis;
-        let up = (up - forward * forward.dot(up)).normalize_or_zero();
-        if !(fov_y > 0.0 && fov_y < std::f32::consts::PI && forward != DVec3::ZERO && up != DVec3::ZERO) {
+        let axes = view_axes(&self.world).filter(|_| fov_y > 0.0 && fov_y < std::f32::consts::PI);
+        let Some((forward, up)) = axes else {
             warnings.add("a camera without a view is left out", &self.label);
             return None;
-        }
+        };
         Some(SceneCamera {
             name: camera.name().or(self.node.name()).unwrap_or_default().to_owned(),
             position: self.world.translation.as_vec3(),
-            forward: forward.as_vec3(),
-            up: up.as_vec3(),
+            forward,
+            up,
             fov_y,
         })
     }
 
     /// Adds the node's light (KHR_lights_punctual): its color is linear, and no scale changes its intensity.
-    /// Errors: an intensity or a cone that makes no sense.
-    pub fn add_light(&self, scene: &mut SceneDescription, warnings: &mut Warnings) -> Reason<()> {
-        let Some(light) = self.node.light() else { return Ok(()) };
+    /// Gives the light. Errors: an intensity or a cone that makes no sense.
+    pub fn add_light(&self, scene: &mut SceneDescription, warnings: &mut Warnings) -> Reason<Option<Thing>> {
+        let Some(light) = self.node.light() else { return Ok(None) };
         if light.range().is_some() {
             let text = "the range of a light is ignored: it falls off with the square of the distance";
             warnings.add(text, &self.label);
@@ -122,10 +124,13 @@ impl Placed<'_> {
         let axis = -self.world.matrix3.z_axis.normalize_or_zero().as_vec3();
         if axis == Vec3::ZERO && !matches!(light.kind(), Kind::Point) {
             warnings.add("a light scaled to nothing shines nowhere, so is left out", &self.label);
-            return Ok(());
+            return Ok(None);
         }
-        match light.kind() {
-            Kind::Point => scene.point_lights.push(PointLight { position, intensity }),
+        Ok(Some(match light.kind() {
+            Kind::Point => {
+                scene.point_lights.push(PointLight { position, intensity });
+                Thing::PointLight(scene.point_lights.len() - 1)
+            }
             Kind::Spot { inner_cone_angle: inner_angle, outer_cone_angle: outer_angle } => {
                 if !(0.0 <= inner_angle && inner_angle <= outer_angle && outer_angle <= MAX_CONE) {
                     let cone = format!("a cone from {inner_angle} to {outer_angle} rad");
@@ -133,12 +138,13 @@ impl Placed<'_> {
                 }
                 let light = SpotLight { position, axis, intensity, inner_angle, outer_angle };
                 scene.spot_lights.push(light);
+                Thing::SpotLight(scene.spot_lights.len() - 1)
             }
             Kind::Directional => {
                 let light = DirectionalLight { direction: -axis, illuminance: intensity };
                 scene.directional_lights.push(light);
+                Thing::DirectionalLight(scene.directional_lights.len() - 1)
             }
-        }
-        Ok(())
+        }))
     }
 }

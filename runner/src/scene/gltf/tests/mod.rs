@@ -1,5 +1,6 @@
 //! Tests of the loader as a whole, on a small file that each of them changes a little.
 
+mod animations;
 mod errors;
 mod features;
 mod hostile;

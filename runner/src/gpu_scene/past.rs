@@ -1,0 +1,348 @@
+//! A scene that changes from frame to frame, and what the device keeps of how it was. Made at the first change: a scene that
+//! stands still has none of it.
+
+use super::{GpuScene, tlas_instances};
+use crate::error::Result;
+use crate::scene::SceneDescription;
+use crate::scene::animation::Pose;
+use crate::scene::lights::{LightEdits, LightTable, inverse_map, light_maps};
+use crate::vulkan::{
+    Binding, Buffer, DescriptorSet, Device, Memory, SetLayout, TlasUpdate, Uploader, full_barrier,
+};
+use ash::vk;
+use bytemuck::{Pod, Zeroable, cast_slice};
+use glam::Affine3A;
+use shared::geometry::InstanceGeometry;
+use shared::interface::{past_binding, scene_binding};
+use shared::light::Light;
+use shared::motion::{InstanceMotion, NO_LIGHT};
+use std::collections::{BTreeMap, BTreeSet};
+
+const STORAGE: vk::BufferUsageFlags = vk::BufferUsageFlags::STORAGE_BUFFER;
+
+/// Indices that stay what they are. An empty buffer can't be bound, so the map says it of the first ones.
+const SAME: [u32; 4] = [0, 1, 2, 3];
+
+/// The past of a scene on the device (descriptor set 2), and the changes that the next frame will record.
+pub struct Past {
+    set: DescriptorSet,
+    tlas: TlasUpdate,
+    /// As in the previous frame.
+    lights: Buffer,
+    motions: Buffer,
+    maps: [Buffer; 2],
+    staging: [Option<Buffer>; 2],
+    /// The scene's lights as of now.
+    table: LightTable,
+    /// Object to world of each of the scene's instances, as last drawn.
+    drawn: Vec<Affine3A>,
+    /// What changed since the last frame.
+    now: Changes,
+    /// What changed before it: `motions` and `lights` still hold that.
+    before: Changes,
+    /// How many times changes were recorded.
+    version: u64,
+}
+
+#[derive(Default)]
+struct Changes {
+    any: bool,
+    instances: BTreeSet<usize>,
+    /// Ranges that don't overlap: first -> end.
+    lights: BTreeMap<usize, usize>,
+    alias: bool,
+    /// The light buffers were exchanged: previous and current lights have different indices.
+    lights_replaced: bool,
+}
+
+/// The layout of set 2.
+pub fn layout(device: &Device) -> Result<SetLayout> {
+    use vk::{DescriptorType as Type, ShaderStageFlags as Stage};
+    let stages = Stage::RAYGEN_KHR | Stage::COMPUTE;
+    let mut bindings =
+        vec![Binding::one(past_binding::TLAS, Type::ACCELERATION_STRUCTURE_KHR, Stage::RAYGEN_KHR)];
+    for binding in past_binding::LIGHTS..=past_binding::CURRENT_TO_PREVIOUS {
+        bindings.push(Binding::one(binding, Type::STORAGE_BUFFER, stages));
+    }
+    SetLayout::new(device, "past", &bindings)
+}
+
+impl GpuScene {
+    /// The next frame shows what `pose` moved where `scene`, to which it was applied, has it now. Instances, lights and
+    /// materials must be those that the scene was made with, but for [`GpuScene::replace_lights`].
+    pub fn update(&mut self, device: &Device, scene: &SceneDescription, pose: &Pose) -> Result<()> {
+        self.settle(device, scene)?;
+        let Some(past) = &mut self.past else { return Ok(()) };
+        for (i, _) in pose.instances() {
+            past.now.instances.insert(i);
+            self.arrays.place(i, scene.instances[i].transform);
+        }
+        let columns = past.table.alias.len();
+        let (ranges, alias) = past.table.follow(scene, pose);
+        past.now.lights.extend(ranges.into_iter().map(|range| (range.start, range.end)));
+        past.now.alias |= alias;
+        past.now.any = true;
+        // A table that came or went: bindings have fixed sizes.
+        if past.table.alias.len() != columns {
+            return self.replace_lights(device, scene, &LightEdits::default());
+        }
+        Ok(())
+    }
+
+    /// The next frame has the lights that `scene` has now: some added, removed, or changed in strength. `edits` says which
+    /// of the former lights is which.
+    pub fn replace_lights(
+        &mut self,
+        device: &Device,
+        scene: &SceneDescription,
+        edits: &LightEdits,
+    ) -> Result<()> {
+        self.settle(device, scene)?;
+        let Some(past) = &mut self.past else { return Ok(()) };
+        // Buffers go, and descriptors change.
+        device.wait_idle()?;
+        let table = LightTable::new(scene);
+        let [mut to_current, _] = light_maps(scene, &past.table, &table, edits);
+        if past.now.lights_replaced {
+            // The second time within a frame: the previous frame's lights stay where they are.
+            let first: Vec<u32> = past.maps[0].read_vec()?;
+            let then = |&light: &u32| to_current.get(light as usize).copied().unwrap_or(NO_LIGHT);
+            to_current = first.iter().map(then).collect();
+        }
+        let to_previous = inverse_map(&to_current, table.lights.len());
+        self.arrays.set_first_lights(scene, &table);
+        let mut upload = Uploader::new(device);
+        let maps = [&to_current, &to_previous].map(|map| upload.buffer("light map", map, STORAGE));
+        let lights = upload.buffer("lights", &table.lights, STORAGE)?;
+        let alias = upload.buffer("alias table", &table.alias, STORAGE)?;
+        let instances = upload.buffer("instances", &self.arrays.instances, STORAGE)?;
+        upload.finish()?;
+        let [first, second] = maps;
+        past.maps = [first?, second?];
+        past.table = table;
+        let former = self.buffers.insert(scene_binding::LIGHTS, lights);
+        if let (false, Some(former)) = (past.now.lights_replaced, former) {
+            past.lights = former;
+        }
+        self.buffers.insert(scene_binding::ALIAS, alias);
+        self.buffers.insert(scene_binding::INSTANCES, instances);
+        self.light_count = past.table.lights.len() as u32;
+        past.now = Changes {
+            any: true,
+            instances: std::mem::take(&mut past.now.instances),
+            lights_replaced: true,
+            ..Changes::default()
+        };
+        for binding in [scene_binding::LIGHTS, scene_binding::ALIAS, scene_binding::INSTANCES] {
+            self.set.bind_storage_buffer(binding, &self.buffers[&binding]);
+        }
+        past.bind_lights();
+        Ok(())
+    }
+
+    /// Number of the changes that frames have seen, or the next one will. A frame of one number and the frame of the next are
+    /// the present and the past.
+    pub fn version(&self) -> u64 {
+        self.past.as_ref().map_or(0, |past| past.version + u64::from(past.now.any))
+    }
+
+    /// Has anything changed since the last recorded frame?
+    pub fn has_changed(&self) -> bool {
+        self.past.as_ref().is_some_and(|past| past.now.any)
+    }
+
+    /// Set 2, once something has changed.
+    pub fn past_set(&self) -> Option<&DescriptorSet> {
+        self.past.as_ref().map(|past| &past.set)
+    }
+
+    /// Device memory that is there for the past alone, bytes; 0 for a scene that never changed.
+    pub fn past_bytes(&self) -> u64 {
+        self.past.as_ref().map_or(0, Past::bytes)
+    }
+
+    /// Records the changes since the last frame; what was current becomes the past. Later commands see both.
+    pub fn record_changes(&mut self, device: &Device, cmd: vk::CommandBuffer) -> Result<()> {
+        let Some(past) = &mut self.past else { return Ok(()) };
+        if !past.now.any {
+            return Ok(());
+        }
+        full_barrier(device, cmd);
+        let lights = &self.buffers[&scene_binding::LIGHTS];
+        if !past.now.lights_replaced {
+            let mut ranges = past.before.lights.clone();
+            ranges.extend(&past.now.lights);
+            for (first, end) in ranges {
+                record_copy::<Light>(device, cmd, (lights, first), (&past.lights, first), end - first);
+            }
+        }
+        let instances = tlas_instances(&self.arrays);
+        past.tlas.record(device, cmd, &self.tlas, &self.blas, &instances)?;
+
+        let mut staged = Staged::default();
+        for &i in past.now.instances.union(&past.before.instances) {
+            let transform = self.arrays.transforms[i];
+            let motion = match past.drawn[i] == transform {
+                true => InstanceMotion::default(),
+                false => InstanceMotion::between(past.drawn[i], transform),
+            };
+            past.drawn[i] = transform;
+            let range = self.arrays.geometries_of(i);
+            staged.add(
+                Target::Motions,
+                range.start * size_of::<InstanceMotion>(),
+                &vec![motion; range.len()],
+            );
+            let geometry: &[InstanceGeometry] = &self.arrays.instances[range.clone()];
+            staged.add(Target::Instances, range.start * size_of::<InstanceGeometry>(), geometry);
+        }
+        for (&first, &end) in &past.now.lights {
+            staged.add(Target::Lights, first * size_of::<Light>(), &past.table.lights[first..end]);
+        }
+        if past.now.alias {
+            staged.add(Target::Alias, 0, &past.table.alias);
+        }
+        let target = |target| match target {
+            Target::Motions => &past.motions,
+            Target::Instances => &self.buffers[&scene_binding::INSTANCES],
+            Target::Lights => lights,
+            Target::Alias => &self.buffers[&scene_binding::ALIAS],
+        };
+        past.staging.swap(0, 1);
+        let staging = staged.write(device, past.staging[0].take())?;
+        for &(to, offset, from, size) in &staged.copies {
+            record_copy::<u8>(device, cmd, (&staging, from), (target(to), offset), size);
+        }
+        past.staging[0] = Some(staging);
+        full_barrier(device, cmd);
+        past.before = std::mem::take(&mut past.now);
+        past.version += 1;
+        Ok(())
+    }
+
+    /// Makes the past, if there is none; ends one whose lights had other indices.
+    fn settle(&mut self, device: &Device, scene: &SceneDescription) -> Result<()> {
+        let Some(past) = &mut self.past else {
+            self.past = Some(Past::new(device, self, scene)?);
+            return Ok(());
+        };
+        if past.before.lights_replaced && !past.now.any {
+            device.wait_idle()?;
+            let lights = &self.buffers[&scene_binding::LIGHTS];
+            past.lights = Buffer::new(device, "lights of the past", lights.size(), STORAGE, Memory::Device)?;
+            past.maps = same(device)?;
+            device.submit_once("copy lights", |cmd| {
+                lights.record_copy(cmd, &past.lights);
+                Ok(())
+            })?;
+            past.before.lights_replaced = false;
+            past.bind_lights();
+        }
+        Ok(())
+    }
+}
+
+impl Past {
+    fn new(device: &Device, scene: &GpuScene, description: &SceneDescription) -> Result<Past> {
+        let geometries = scene.arrays.instances.len();
+        let tlas = TlasUpdate::new(device, scene.arrays.placements.len())?;
+        let lights = &scene.buffers[&scene_binding::LIGHTS];
+        let past_lights = Buffer::new(device, "lights of the past", lights.size(), STORAGE, Memory::Device)?;
+        device.submit_once("copy lights", |cmd| {
+            lights.record_copy(cmd, &past_lights);
+            Ok(())
+        })?;
+        let still = vec![InstanceMotion::zeroed(); geometries];
+        let set = DescriptorSet::new(device, "past", &layout(device)?, 0)?;
+        let past = Past {
+            set,
+            lights: past_lights,
+            motions: Buffer::from_slice(device, "motions", &still, STORAGE)?,
+            maps: same(device)?,
+            staging: [None, None],
+            table: LightTable::new(description),
+            drawn: scene.arrays.transforms.clone(),
+            tlas,
+            now: Changes::default(),
+            before: Changes::default(),
+            version: 0,
+        };
+        past.set.bind_tlas(past_binding::TLAS, past.tlas.past());
+        past.set.bind_storage_buffer(past_binding::MOTIONS, &past.motions);
+        past.bind_lights();
+        Ok(past)
+    }
+
+    fn bind_lights(&self) {
+        self.set.bind_storage_buffer(past_binding::LIGHTS, &self.lights);
+        self.set.bind_storage_buffer(past_binding::PREVIOUS_TO_CURRENT, &self.maps[0]);
+        self.set.bind_storage_buffer(past_binding::CURRENT_TO_PREVIOUS, &self.maps[1]);
+    }
+
+    fn bytes(&self) -> u64 {
+        let staging = self.staging.iter().flatten().map(Buffer::size).sum::<u64>();
+        self.tlas.bytes() + self.lights.size() + self.motions.size() + staging
+    }
+}
+
+fn same(device: &Device) -> Result<[Buffer; 2]> {
+    let map = || Buffer::from_slice(device, "light map", &SAME, STORAGE);
+    Ok([map()?, map()?])
+}
+
+#[derive(Clone, Copy)]
+enum Target {
+    Motions,
+    Instances,
+    Lights,
+    Alias,
+}
+
+/// Small pieces for many places, through one buffer.
+#[derive(Default)]
+struct Staged {
+    bytes: Vec<u8>,
+    /// (target, offset there, offset in `bytes`, bytes)
+    copies: Vec<(Target, usize, usize, usize)>,
+}
+
+impl Staged {
+    fn add<T: Pod>(&mut self, target: Target, offset: usize, data: &[T]) {
+        let data: &[u8] = cast_slice(data);
+        if !data.is_empty() {
+            self.copies.push((target, offset, self.bytes.len(), data.len()));
+            self.bytes.extend(data);
+        }
+    }
+
+    /// The bytes in `buffer`, or in a larger one.
+    fn write(&self, device: &Device, buffer: Option<Buffer>) -> Result<Buffer> {
+        let size = self.bytes.len() as u64;
+        let mut buffer = match buffer.filter(|buffer| buffer.size() >= size) {
+            Some(buffer) => buffer,
+            None => {
+                let usage = vk::BufferUsageFlags::empty();
+                Buffer::new(device, "staging of changes", size.max(16), usage, Memory::Upload)?
+            }
+        };
+        buffer.write(0, &self.bytes)?;
+        Ok(buffer)
+    }
+}
+
+/// Copies `count` elements from a place to another (in elements).
+fn record_copy<T>(
+    device: &Device,
+    cmd: vk::CommandBuffer,
+    from: (&Buffer, usize),
+    to: (&Buffer, usize),
+    count: usize,
+) {
+    let bytes = |n: usize| (n * size_of::<T>()) as u64;
+    let region =
+        vk::BufferCopy::default().src_offset(bytes(from.1)).dst_offset(bytes(to.1)).size(bytes(count));
+    if count > 0 {
+        // SAFETY: `cmd` is recording; both ranges exist, as their owner made the buffers for these elements.
+        unsafe { device.cmd_copy_buffer(cmd, from.0.handle(), to.0.handle(), &[region]) };
+    }
+}

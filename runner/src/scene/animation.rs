@@ -1,0 +1,294 @@
+//! Motion: the nodes of a scene that move, the curves that move them, and where that puts things at a time. Pure functions.
+//!
+//! Interpolation follows glTF 2.0, appendix C, in f64.
+
+use super::{Bounds, SceneDescription};
+use glam::{DAffine3, DQuat, DVec3, DVec4, Vec3};
+
+/// The part of a scene's hierarchy that moves. Default: nothing does.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Animation {
+    /// Nodes that move by themselves or with a parent; parents come before their children.
+    pub nodes: Vec<Node>,
+    /// At most one for each node and property.
+    pub channels: Vec<Channel>,
+    /// What hangs on which node.
+    pub attached: Vec<(Thing, usize)>,
+}
+
+/// One node of the hierarchy.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Node {
+    /// Index of a node before this one.
+    pub parent: Option<usize>,
+    /// Of a node without a moving parent: its resting parent's place in the world.
+    pub base: DAffine3,
+    /// Relative to its parent, while no channel says otherwise.
+    pub rest: Local,
+}
+
+/// Where a node stands relative to its parent.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Local {
+    Matrix(DAffine3),
+    /// glTF's T R S. The only form that channels can change.
+    Trs {
+        translation: DVec3,
+        /// Unit.
+        rotation: DQuat,
+        scale: DVec3,
+    },
+}
+
+/// Something of a scene that can hang on a node, by its index in the scene's list of such things.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Thing {
+    Instance(usize),
+    PointLight(usize),
+    SpotLight(usize),
+    DirectionalLight(usize),
+    Camera(usize),
+}
+
+/// A curve and the node it moves.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Channel {
+    pub node: usize,
+    pub curve: Curve,
+}
+
+/// A property over time.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Curve {
+    /// m
+    Translation(Track<DVec3>),
+    /// Quaternions as x, y, z, w.
+    Rotation(Track<DVec4>),
+    Scale(Track<DVec3>),
+}
+
+/// Values at times. Before the first and after the last time, theirs hold.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Track<T> {
+    pub interpolation: Interpolation,
+    /// s, increasing, at least one.
+    pub times: Vec<f32>,
+    /// One a time; with cubic splines three: in-tangent, value, out-tangent.
+    pub values: Vec<T>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Interpolation {
+    Step,
+    /// Of rotations spherical.
+    Linear,
+    CubicSpline,
+}
+
+/// What stands where in the world at one time: all that moves, and nothing else.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Pose {
+    pub places: Vec<(Thing, DAffine3)>,
+}
+
+/// Times at which [`Animation::swept`] looks.
+const SWEEP: u32 = 256;
+
+impl Animation {
+    /// s; 0 where nothing moves.
+    pub fn duration(&self) -> f32 {
+        self.channels.iter().filter_map(Channel::end).fold(0.0, f32::max)
+    }
+
+    /// Does anything move but cameras? Only then does the device need to know the past.
+    pub fn moves_things(&self) -> bool {
+        self.attached.iter().any(|(thing, _)| !matches!(thing, Thing::Camera(_)))
+    }
+
+    /// Does `thing` move?
+    pub fn moves(&self, thing: Thing) -> bool {
+        self.attached.iter().any(|&(attached, _)| attached == thing)
+    }
+
+    /// Where everything is at `time` (s).
+    pub fn pose(&self, time: f64) -> Pose {
+        let mut locals: Vec<Local> = self.nodes.iter().map(|node| node.rest).collect();
+        for channel in &self.channels {
+            channel.curve.apply(time, &mut locals[channel.node]);
+        }
+        let mut worlds: Vec<DAffine3> = Vec::with_capacity(locals.len());
+        for (node, local) in self.nodes.iter().zip(&locals) {
+            let parent = node.parent.map_or(node.base, |parent| worlds[parent]);
+            worlds.push(parent * local.affine());
+        }
+        Pose { places: self.attached.iter().map(|&(thing, node)| (thing, worlds[node])).collect() }
+    }
+
+    /// Box around all places that moving instances of `scene` reach, as seen at [`SWEEP`] times; empty where none moves.
+    pub fn swept(&self, scene: &SceneDescription) -> Bounds {
+        let mut bounds = Bounds::default();
+        if !self.attached.iter().any(|(thing, _)| matches!(thing, Thing::Instance(_))) {
+            return bounds;
+        }
+        let boxes: Vec<Bounds> = scene.meshes.iter().map(super::Mesh::bounds).collect();
+        for i in 0..SWEEP {
+            let time = f64::from(self.duration()) * f64::from(i) / f64::from(SWEEP - 1);
+            for (instance, world) in self.pose(time).instances() {
+                let Bounds { min, max } = boxes[scene.instances[instance].mesh];
+                for corner in 0..8 {
+                    let pick = |axis: usize| if corner >> axis & 1 == 0 { min[axis] } else { max[axis] };
+                    let corner = Vec3::new(pick(0), pick(1), pick(2));
+                    bounds.add(world.transform_point3(corner.as_dvec3()).as_vec3());
+                }
+            }
+        }
+        bounds
+    }
+}
+
+impl Pose {
+    /// Instances by index, object to world.
+    pub fn instances(&self) -> impl Iterator<Item = (usize, DAffine3)> + '_ {
+        self.places.iter().filter_map(|&(thing, world)| match thing {
+            Thing::Instance(i) => Some((i, world)),
+            _ => None,
+        })
+    }
+}
+
+impl SceneDescription {
+    /// Where what moves is at `time` (s); see [`SceneDescription::apply`].
+    pub fn pose(&self, time: f64) -> Pose {
+        self.animation.pose(time)
+    }
+
+    /// Puts everything where `pose` says. What has lost its direction (scaled to nothing) keeps the one it had.
+    pub fn apply(&mut self, pose: &Pose) {
+        for &(thing, world) in &pose.places {
+            let position = world.translation.as_vec3();
+            // Cameras and lights look along -z.
+            let back = world.matrix3.z_axis.normalize_or_zero().as_vec3();
+            match thing {
+                Thing::Instance(i) => self.instances[i].transform = world.as_affine3a(),
+                Thing::PointLight(i) => self.point_lights[i].position = position,
+                Thing::SpotLight(i) => {
+                    self.spot_lights[i].position = position;
+                    if back != Vec3::ZERO {
+                        self.spot_lights[i].axis = -back;
+                    }
+                }
+                Thing::DirectionalLight(i) if back != Vec3::ZERO => {
+                    self.directional_lights[i].direction = back;
+                }
+                Thing::DirectionalLight(_) => {}
+                Thing::Camera(i) => {
+                    self.cameras[i].position = position;
+                    if let Some((forward, up)) = view_axes(&world) {
+                        (self.cameras[i].forward, self.cameras[i].up) = (forward, up);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// (forward, up) of a camera at `world`, unit; none if it is scaled to nothing.
+pub fn view_axes(world: &DAffine3) -> Option<(Vec3, Vec3)> {
+    let forward = -world.matrix3.z_axis.normalize_or_zero();
+    let up = world.matrix3.y_axis;
+    let up = (up - forward * forward.dot(up)).normalize_or_zero();
+    (forward != DVec3::ZERO && up != DVec3::ZERO).then(|| (forward.as_vec3(), up.as_vec3()))
+}
+
+impl Local {
+    /// As one transform.
+    pub fn affine(&self) -> DAffine3 {
+        match *self {
+            Local::Matrix(affine) => affine,
+            Local::Trs { translation, rotation, scale } => {
+                DAffine3::from_scale_rotation_translation(scale, rotation, translation)
+            }
+        }
+    }
+}
+
+impl Channel {
+    fn end(&self) -> Option<f32> {
+        let (Curve::Translation(Track { times, .. })
+        | Curve::Rotation(Track { times, .. })
+        | Curve::Scale(Track { times, .. })) = &self.curve;
+        times.last().copied()
+    }
+}
+
+impl Curve {
+    fn apply(&self, time: f64, local: &mut Local) {
+        let Local::Trs { translation, rotation, scale } = local else { return };
+        match self {
+            Curve::Translation(track) => *translation = track.at(time),
+            Curve::Scale(track) => *scale = track.at(time),
+            // Splines leave the unit sphere.
+            Curve::Rotation(track) => *rotation = DQuat::from_vec4(track.at(time).normalize_or(DVec4::W)),
+        }
+    }
+}
+
+/// What a [`Track`] interpolates.
+pub trait Value: Copy + std::ops::Add<Output = Self> + std::ops::Mul<f64, Output = Self> {
+    /// From `a` (t = 0) to `b` (t = 1).
+    fn between(a: Self, b: Self, t: f64) -> Self;
+}
+
+impl Value for DVec3 {
+    fn between(a: Self, b: Self, t: f64) -> Self {
+        a.lerp(b, t)
+    }
+}
+
+impl Value for DVec4 {
+    /// Spherical, the shorter way round (appendix C.4).
+    fn between(a: Self, b: Self, t: f64) -> Self {
+        let cos = a.dot(b);
+        let b = if cos < 0.0 { -b } else { b };
+        let angle = cos.abs().min(1.0).acos();
+        // The chord is the arc to within 1e-13 there.
+        if angle < 1e-6 {
+            return a.lerp(b, t);
+        }
+        (a * (angle * (1.0 - t)).sin() + b * (angle * t).sin()) / angle.sin()
+    }
+}
+
+impl<T: Value> Track<T> {
+    /// The value at `time`, s.
+    pub fn at(&self, time: f64) -> T {
+        let value = |key: usize| match self.interpolation {
+            Interpolation::CubicSpline => self.values[3 * key + 1],
+            _ => self.values[key],
+        };
+        let after = self.times.partition_point(|&key| f64::from(key) <= time);
+        if after == 0 || after == self.times.len() {
+            return value(after.saturating_sub(1));
+        }
+        let key = after - 1;
+        let (start, end) = (f64::from(self.times[key]), f64::from(self.times[after]));
+        let (length, t) = (end - start, (time - start) / (end - start));
+        match self.interpolation {
+            Interpolation::Step => value(key),
+            Interpolation::Linear => T::between(value(key), value(after), t),
+            Interpolation::CubicSpline => {
+                // Appendix C.5.
+                let (out_tangent, in_tangent) = (self.values[3 * key + 2], self.values[3 * after]);
+                let (t2, t3) = (t * t, t * t * t);
+                value(key) * (2.0 * t3 - 3.0 * t2 + 1.0)
+                    + out_tangent * (length * (t3 - 2.0 * t2 + t))
+                    + value(after) * (-2.0 * t3 + 3.0 * t2)
+                    + in_tangent * (length * (t3 - t2))
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+#[path = "animation_tests.rs"]
+mod tests;

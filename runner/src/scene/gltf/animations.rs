@@ -1,0 +1,155 @@
+//! Animations -> the scene's moving nodes and their curves.
+
+use super::nodes::Placed;
+use super::warnings::Warnings;
+use super::{Reason, accessors, label};
+use crate::scene::animation::{Animation, Channel, Curve, Interpolation, Node, Track};
+use glam::{DAffine3, DVec3, DVec4};
+use gltf::Document;
+use gltf::accessor::DataType::{F32, I8, I16, U8, U16};
+use gltf::accessor::Dimensions;
+use gltf::animation::Property;
+use gltf::animation::util::ReadOutputs;
+use std::collections::{HashMap, HashSet};
+
+/// What moves, and for each of `nodes` which of the animation's nodes it is.
+pub struct Motion {
+    pub animation: Animation,
+    pub of_placed: Vec<Option<usize>>,
+}
+
+/// All animations of the file, played together; of two that move the same property of a node, the first.
+/// Errors name the animation, its channel and what is wrong with it.
+pub fn read(
+    document: &Document,
+    nodes: &[Placed],
+    buffers: &[Vec<u8>],
+    warnings: &mut Warnings,
+) -> Reason<Motion> {
+    let place: HashMap<usize, usize> = nodes.iter().enumerate().map(|(i, p)| (p.node.index(), i)).collect();
+    let mut curves = Vec::new();
+    let mut taken = HashSet::new();
+    for animation in document.animations() {
+        let name = label("animation", animation.index(), animation.name());
+        for channel in animation.channels() {
+            let target = channel.target();
+            let (node, property) = (target.node(), target.property());
+            let label = format!("{name}, channel {}", channel.index());
+            if property == Property::MorphTargetWeights {
+                warnings.add("morph targets are not animated", &label);
+                continue;
+            }
+            let curve = curve(&channel, buffers).map_err(|reason| format!("{label}: {reason}"))?;
+            let Some(&placed) = place.get(&node.index()) else {
+                warnings.add("moves a node outside of the scene", &label);
+                continue;
+            };
+            if matches!(node.transform(), gltf::scene::Transform::Matrix { .. }) {
+                let node = &nodes[placed].label;
+                return Err(format!(
+                    "{label}: {node} has a matrix; only translation, rotation, scale can move"
+                ));
+            }
+            if taken.insert((placed, property as u32)) {
+                curves.push((placed, curve));
+            } else {
+                warnings.add("another channel moves the same already, so is not played", &label);
+            }
+        }
+    }
+    motion(nodes, curves)
+}
+
+/// Keeps the nodes that move by themselves or with a parent; the worlds of all others are folded into them.
+fn motion(nodes: &[Placed], curves: Vec<(usize, Curve)>) -> Reason<Motion> {
+    let animated: HashSet<usize> = curves.iter().map(|&(placed, _)| placed).collect();
+    let mut animation = Animation::default();
+    let mut of_placed: Vec<Option<usize>> = vec![None; nodes.len()];
+    // Parents come before their children.
+    for (i, placed) in nodes.iter().enumerate() {
+        let parent = placed.parent.and_then(|parent| of_placed[parent]);
+        if parent.is_none() && !animated.contains(&i) {
+            continue;
+        }
+        of_placed[i] = Some(animation.nodes.len());
+        let resting = placed.parent.filter(|_| parent.is_none());
+        let base = resting.map_or(DAffine3::IDENTITY, |parent| nodes[parent].world);
+        animation.nodes.push(Node { parent, base, rest: placed.local });
+    }
+    let channel = |(placed, curve): (usize, Curve)| of_placed[placed].map(|node| Channel { node, curve });
+    animation.channels = curves.into_iter().filter_map(channel).collect();
+    Ok(Motion { animation, of_placed })
+}
+
+fn curve(channel: &gltf::animation::Channel, buffers: &[Vec<u8>]) -> Reason<Curve> {
+    let sampler = channel.sampler();
+    let outputs: &[_] = match channel.target().property() {
+        Property::Rotation => &[F32, I8, U8, I16, U16].map(|data| (Dimensions::Vec4, data)),
+        _ => &[(Dimensions::Vec3, F32)],
+    };
+    accessors::check(&sampler.input(), &[(Dimensions::Scalar, F32)], buffers)
+        .map_err(|reason| format!("times: {reason}"))?;
+    accessors::check(&sampler.output(), outputs, buffers).map_err(|reason| format!("values: {reason}"))?;
+    let interpolation = match sampler.interpolation() {
+        gltf::animation::Interpolation::Step => Interpolation::Step,
+        gltf::animation::Interpolation::Linear => Interpolation::Linear,
+        gltf::animation::Interpolation::CubicSpline => Interpolation::CubicSpline,
+    };
+    let reader = channel.reader(|buffer| buffers.get(buffer.index()).map(Vec::as_slice));
+    let times: Vec<f32> = reader.read_inputs().into_iter().flatten().collect();
+    check_times(&times)?;
+    let vec3 = |v: [f32; 3]| DVec3::from(v.map(f64::from));
+    Ok(match reader.read_outputs().ok_or("has no values")? {
+        ReadOutputs::Translations(values) => {
+            Curve::Translation(track(interpolation, times, values.map(vec3).collect(), |v| v.is_finite())?)
+        }
+        ReadOutputs::Scales(values) => {
+            Curve::Scale(track(interpolation, times, values.map(vec3).collect(), |v| v.is_finite())?)
+        }
+        ReadOutputs::Rotations(values) => {
+            let values: Vec<_> = values.into_f32().map(|q| DVec4::from(q.map(f64::from))).collect();
+            let mut track = track(interpolation, times, values, |v| v.is_finite())?;
+            let cubic = interpolation == Interpolation::CubicSpline;
+            for (i, value) in track.values.iter_mut().enumerate() {
+                // Tangents of a spline may be anything.
+                if !cubic || i % 3 == 1 {
+                    let key = if cubic { i / 3 } else { i };
+                    *value = value.try_normalize().ok_or_else(|| format!("key {key}: 0 is no rotation"))?;
+                }
+            }
+            Curve::Rotation(track)
+        }
+        ReadOutputs::MorphTargetWeights(_) => return Err("morph targets are not animated".into()),
+    })
+}
+
+fn check_times(times: &[f32]) -> Reason<()> {
+    if let Some(key) = times.iter().position(|t| !(t.is_finite() && *t >= 0.0)) {
+        return Err(format!("key {key}: {} s is no time", times[key]));
+    }
+    match times.windows(2).position(|pair| pair[1] <= pair[0]) {
+        None => Ok(()),
+        Some(i) => {
+            Err(format!("key {} at {} s does not come after key {i} at {} s", i + 1, times[i + 1], times[i]))
+        }
+    }
+}
+
+fn track<T>(
+    interpolation: Interpolation,
+    times: Vec<f32>,
+    values: Vec<T>,
+    is_finite: impl Fn(&T) -> bool,
+) -> Reason<Track<T>> {
+    let of_key = if interpolation == Interpolation::CubicSpline { 3 } else { 1 };
+    if values.len() != of_key * times.len() {
+        let (values, keys) = (values.len(), times.len());
+        return Err(format!(
+            "{values} values for {keys} keys of {interpolation:?}, which needs {of_key} a key"
+        ));
+    }
+    match values.iter().position(|value| !is_finite(value)) {
+        None => Ok(Track { interpolation, times, values }),
+        Some(i) => Err(format!("key {}: its value is infinite or no number", i / of_key)),
+    }
+}

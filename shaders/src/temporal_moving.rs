@@ -1,0 +1,48 @@
+//! Pass 3 after something moved: merges the history of each surface.
+
+use shared::alias_table::AliasEntry;
+use shared::frame::FrameConstants;
+use shared::glam::UVec3;
+use shared::light::{Light, LightTable, Lights};
+use shared::motion::{InstanceMotion, PastLights};
+use shared::resampling::{Pixels, moving, reservoir_index};
+use shared::reservoir::StoredReservoir;
+use shared::rng::{Rng, Stream};
+use shared::surface::GBufferTexel;
+use spirv_std::spirv;
+
+#[spirv(compute(threads(8, 8, 1), entry_point_name = "temporal_moving"))]
+pub fn temporal_moving(
+    #[spirv(global_invocation_id)] id: UVec3,
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 6)] lights: &[Light],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 7)] alias: &[AliasEntry],
+    #[spirv(uniform, descriptor_set = 1, binding = 0)] frame: &FrameConstants,
+    #[spirv(storage_buffer, descriptor_set = 1, binding = 1)] gbuffer: &[GBufferTexel],
+    #[spirv(storage_buffer, descriptor_set = 1, binding = 2)] previous_gbuffer: &[GBufferTexel],
+    #[spirv(storage_buffer, descriptor_set = 1, binding = 4)] reservoirs: &mut [StoredReservoir],
+    #[spirv(storage_buffer, descriptor_set = 1, binding = 5)] history: &[StoredReservoir],
+    #[spirv(storage_buffer, descriptor_set = 2, binding = 1)] past_lights: &[Light],
+    #[spirv(storage_buffer, descriptor_set = 2, binding = 2)] motions: &[InstanceMotion],
+    #[spirv(storage_buffer, descriptor_set = 2, binding = 3)] previous_to_current: &[u32],
+    #[spirv(storage_buffer, descriptor_set = 2, binding = 4)] current_to_previous: &[u32],
+) {
+    let (pixel, lane) = (id.truncate(), id.z);
+    if pixel.cmpge(frame.size).any() {
+        return;
+    }
+    let texel = gbuffer[frame.pixel_index(pixel) as usize];
+    if texel.is_empty() {
+        return;
+    }
+    let index = reservoir_index(frame, pixel, lane) as usize;
+    let surface = texel.unpack(&frame.camera, pixel, frame.size);
+    let previous = Pixels { gbuffer: previous_gbuffer, reservoirs: history };
+    let past =
+        PastLights { lights: Lights { lights: past_lights }, previous_to_current, current_to_previous };
+    let motion = motions[texel.instance as usize];
+    let mut rng = Rng::new(pixel, frame.index, frame.seed, Stream::Temporal, lane);
+    let lights = LightTable { lights: Lights { lights }, alias };
+    let current = reservoirs[index];
+    reservoirs[index] =
+        moving::biased(frame, lights, past, &surface, &motion, current, previous, lane, &mut rng);
+}
