@@ -58,7 +58,7 @@ pub struct Placement {
 
 impl SceneArrays {
     pub fn new(scene: &SceneDescription, lights: &LightTable) -> Result<Self> {
-        let mut arrays = SceneArrays { features: features_of(scene), ..Default::default() };
+        let mut arrays = SceneArrays { features: features_of(scene, lights), ..Default::default() };
         arrays.materials = scene.materials.iter().map(gpu_material).collect();
         let meshes =
             scene.meshes.iter().map(|mesh| arrays.add_mesh(scene, mesh)).collect::<Result<Vec<_>>>()?;
@@ -164,8 +164,11 @@ fn gpu_material(material: &Material) -> shared::material::Material {
 }
 
 /// What the scene's pipelines are specialised for.
-fn features_of(scene: &SceneDescription) -> u32 {
+fn features_of(scene: &SceneDescription, lights: &LightTable) -> u32 {
     let mut bits = if scene.environment.is_some() { features::ENVIRONMENT } else { 0 };
+    for light in &lights.lights {
+        bits |= features::light_kind(light.kind);
+    }
     for m in &scene.materials {
         for (_, map) in m.textures().iter().zip(&m.uv_maps).filter(|(texture, _)| texture.is_some()) {
             bits |= features::TEXTURES;
