@@ -91,6 +91,7 @@ struct Running {
     notices: Notices,
     timings: Timings,
     probe: Option<Probe>,
+    error: Option<f64>,
     scene: SceneFacts,
     source: Source,
     /// Nothing of the window can be seen: no frames.
@@ -133,7 +134,7 @@ impl Running {
         start.scene.warnings.iter().for_each(|warning| notices.say(warning.clone()));
         Ok(Running {
             ring: CommandRing::new(&device, FRAMES)?,
-            frames: Frames::new(&device, gpu_scene, start.size, FRAMES)?,
+            frames: Frames::new(&device, gpu_scene, start.size, FRAMES, start.scene.bounds().radius())?,
             screen,
             loader: Loader::default(),
             state,
@@ -141,6 +142,7 @@ impl Running {
             notices,
             timings: Timings::default(),
             probe: None,
+            error: None,
             scene,
             source: start.source,
             hidden: false,
@@ -189,6 +191,10 @@ impl Running {
             Action::Load(path) => {
                 let started = self.source.with_file(&path).and_then(|source| self.loader.start(source));
                 started.unwrap_or_else(|error| self.notices.fail(error));
+            }
+            Action::Expose => {
+                self.ring.wait()?;
+                self.frames.expose()?;
             }
             Action::NextPresentMode => self.screen.next_mode()?,
             Action::CopyCamera => {
@@ -249,6 +255,8 @@ impl Running {
             device: &self.device,
             timings: &self.timings,
             probe: self.probe.as_ref(),
+            error: self.error,
+            counts: self.frames.counts(),
             mode: self.screen.mode(),
             picture_bytes: self.frames.bytes(),
             loading: self.loader.progress(),
@@ -264,7 +272,7 @@ impl Running {
 
     /// Renders and shows one frame. Waits only for the frame that used the slot before, and for the window's image.
     fn draw(&mut self, size: UVec2) -> Result<()> {
-        let Running { ring, frames, screen, state, timings, probe, .. } = self;
+        let Running { ring, frames, screen, state, timings, probe, error, .. } = self;
         if let Some(gui) = screen.gui() {
             gui.upload(ring)?;
         }
@@ -276,6 +284,7 @@ impl Running {
         let found = frames.probe(slot)?.filter(|found| Some(found.pixel) == state.picked);
         state.found(found.as_ref().and_then(Probe::position));
         *probe = found;
+        *error = frames.error(slot)?;
         let Some(image) = screen.acquire(slot)? else { return Ok(()) };
         let divider = (state.divider * size.x as f32) as u32;
         let shown = frames.record(cmd, slot, state)?;
@@ -292,7 +301,8 @@ impl Running {
         let entered = result.and_then(|scene| {
             let gpu_scene = GpuScene::new(&self.device, &scene)?;
             let facts = SceneFacts::new(&scene, &gpu_scene);
-            Ok((Frames::new(&self.device, gpu_scene, self.frames.size(), FRAMES)?, scene, facts))
+            let (size, radius) = (self.frames.size(), scene.bounds().radius());
+            Ok((Frames::new(&self.device, gpu_scene, size, FRAMES, radius)?, scene, facts))
         });
         let (frames, scene, facts) = match entered {
             Ok(entered) => entered,
@@ -346,6 +356,8 @@ impl Running {
             "scene" => self.scene.name.clone(),
             "error" => self.notices.last_error().unwrap_or_default().to_string(),
             "size" => format!("{}x{}", size.x, size.y),
+            "reference" => self.frames.counts().1.map_or(String::new(), |_| "there".into()),
+            "compared" => if self.error.is_some_and(|e| e > 0.0 && e < 10.0) { "yes" } else { "" }.into(),
             "candidates" => self.state.settings[0].candidates.to_string(),
             other => return Err(Error::Usage(format!("script: can't expect '{other}'"))),
         };

@@ -4,6 +4,7 @@
 
 mod app;
 mod camera;
+mod error;
 mod frames;
 mod gui;
 mod input;
@@ -12,6 +13,7 @@ mod loader;
 mod notices;
 mod panels;
 mod probe;
+mod reference;
 mod screen;
 mod screenshot;
 mod script;

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 /// Writes NAME.png (as shown), NAME.exr (radiance, nit) and NAME.json (for `render --settings`) of the left side's last
 /// frame, which must be done. Gives NAME: the first candela-001, -002, ... that is free.
 pub fn save(directory: &Path, frames: &Frames, state: &State) -> Result<String> {
-    let radiance = frames.radiance()?;
+    let radiance = frames.radiance(state)?;
     let exposure = frames.exposure(state);
     let display: Vec<u32> =
         radiance.iter().map(|&c| tonemap::pack_rgba8(tonemap::display(c, exposure))).collect();

@@ -24,6 +24,8 @@ pub enum Action {
     Screenshot,
     CopyCamera,
     NextPresentMode,
+    /// By what is seen now.
+    Expose,
     Quit,
 }
 
@@ -120,7 +122,6 @@ impl State {
         &mut self.settings[self.side]
     }
 
-    #[allow(dead_code)]
     /// Does anything on screen need the reference?
     pub fn needs_reference(&self) -> bool {
         self.error || self.split == Split::Reference || self.view.needs_reference()
@@ -176,7 +177,10 @@ impl State {
             Command::OtherSide => self.side = if self.split == Split::Settings { 1 - self.side } else { 0 },
             Command::Error => self.error = !self.error,
             Command::Exposure(step) => self.stops += if step == Step::Up { 0.5 } else { -0.5 },
-            Command::AutoExposure => self.stops = 0.0,
+            Command::AutoExposure => {
+                self.stops = 0.0;
+                return Some(Action::Expose);
+            }
             Command::OrbitOrFly => {
                 self.rig.style = if self.rig.style == Style::Orbit { Style::Fly } else { Style::Orbit };
             }

@@ -9,13 +9,16 @@ use std::path::{Path, PathBuf};
 pub const LOADER: &str = "libvulkan1";
 pub const MESA: &str = "mesa-vulkan-drivers";
 pub const VALIDATION: &str = "vulkan-validationlayers";
+/// A virtual display, a hand to press its keys, and what a window needs of X11.
+pub const DISPLAY: [&str; 6] =
+    ["xvfb", "xdotool", "libx11-xcb1", "libxcursor1", "libxi6", "libxkbcommon-x11-0"];
 
 #[derive(Clone, Debug)]
 pub struct Machine {
     pub system: System,
     /// The driver of a GPU that is really there, in words.
     pub gpu: Option<String>,
-    /// Installed Debian packages among [`LOADER`], [`MESA`] and [`VALIDATION`], with their versions.
+    /// Installed Debian packages among [`LOADER`], [`MESA`], [`VALIDATION`] and [`DISPLAY`], with their versions.
     pub packages: BTreeMap<String, String>,
     pub sources: Vec<Source>,
 }
@@ -89,8 +92,8 @@ fn has_render_node(root: &Path, pci_vendor: &str) -> bool {
 
 fn packages() -> BTreeMap<String, String> {
     let format = "-f=${db:Status-Status} ${Package} ${Version}\n";
-    let query =
-        command::try_output(command::program("dpkg-query").args(["-W", format, LOADER, MESA, VALIDATION]));
+    let names = [LOADER, MESA, VALIDATION].into_iter().chain(DISPLAY);
+    let query = command::try_output(command::program("dpkg-query").args(["-W", format]).args(names));
     parse_packages(&query.unwrap_or_default())
 }
 

@@ -12,7 +12,7 @@ use std::io::IsTerminal;
 
 #[derive(clap::Args, Default)]
 pub struct Options {
-    /// Also install what the tests use: Vulkan validation layers, rustfmt, clippy
+    /// Also install what the tests use: Vulkan validation layers, a virtual display, rustfmt, clippy
     #[arg(long)]
     pub tests: bool,
     /// Install the software driver (lavapipe) even though there is a GPU driver

@@ -2,7 +2,7 @@
 
 use super::Options;
 use super::apt;
-use super::machine::{LOADER, MESA, Machine, System, VALIDATION};
+use super::machine::{DISPLAY, LOADER, MESA, Machine, System, VALIDATION};
 use anyhow::Result;
 
 /// The first Mesa whose lavapipe has VK_KHR_ray_tracing_pipeline (Mesa 24.1.0 release notes, May 2024).
@@ -74,7 +74,10 @@ pub fn decide(machine: &Machine, options: &Options) -> Result<Plan> {
         _ => None,
     };
     let mut missing = vec![LOADER];
-    missing.extend(options.tests.then_some(VALIDATION));
+    if options.tests {
+        missing.push(VALIDATION);
+        missing.extend(DISPLAY);
+    }
     missing.retain(|package| installed(package).is_none());
     match driver {
         Some(driver) if missing.is_empty() => Ok(Plan::Ready(driver)),
@@ -180,12 +183,13 @@ mod tests {
 
     #[test]
     fn nothing_to_do_when_all_is_there() {
-        let machine =
-            debian("bookworm", &[(LOADER, "1.3.239.0-1"), (MESA, "25.0.7-2~bpo12+1"), (VALIDATION, "1.3")]);
+        let driver = [(LOADER, "1.3.239.0-1"), (MESA, "25.0.7-2~bpo12+1"), (VALIDATION, "1.3")];
+        let all: Vec<_> = driver.into_iter().chain(DISPLAY.map(|name| (name, "1"))).collect();
+        let machine = debian("bookworm", &all);
         let plan = decide(&machine, &TESTS).unwrap();
         assert!(matches!(&plan, Plan::Ready(driver) if driver.contains("25.0.7")), "{plan:?}");
         // Negative control: any one package less is work.
-        for package in [LOADER, MESA, VALIDATION] {
+        for package in [LOADER, MESA, VALIDATION].into_iter().chain(DISPLAY) {
             let mut less = machine.clone();
             less.packages.remove(package);
             assert!(commands(&less, &TESTS).iter().any(|line| line.contains(package)), "{package}");
@@ -209,7 +213,8 @@ mod tests {
         assert_eq!(
             install,
             &format!(
-                "{INSTALL} -t bookworm-backports libvulkan1 vulkan-validationlayers mesa-vulkan-drivers"
+                "{INSTALL} -t bookworm-backports libvulkan1 vulkan-validationlayers {} mesa-vulkan-drivers",
+                DISPLAY.join(" ")
             )
         );
     }

@@ -1,6 +1,7 @@
 //! The interface: one panel at the left with sections, messages at the bottom, the help over all.
 
 mod camera;
+mod error;
 mod help;
 mod inspector;
 mod knobs;
@@ -23,6 +24,10 @@ pub struct Info<'a> {
     pub device: &'a Device,
     pub timings: &'a Timings,
     pub probe: Option<&'a Probe>,
+    /// Of what is on screen, relative to the reference.
+    pub error: Option<f64>,
+    /// Frames in the mean, and whole sums in the reference's.
+    pub counts: (u32, Option<u32>),
     pub mode: vk::PresentModeKHR,
     /// Device memory of the picture-sized buffers, bytes.
     pub picture_bytes: u64,
@@ -38,7 +43,10 @@ pub fn show(ui: &mut Ui, state: &mut State, info: &mut Info, actions: &mut Vec<A
         Panel::left("panel").resizable(false).exact_size(270.0).show(ui, |ui| {
             ScrollArea::vertical().show(ui, |ui| {
                 section(ui, "Knobs", true, |ui| knobs::show(ui, state, actions));
-                section(ui, "Picture", true, |ui| picture::show(ui, state, actions));
+                section(ui, "Picture", true, |ui| picture::show(ui, state, info, actions));
+                if state.needs_reference() {
+                    section(ui, "Error", true, |ui| error::show(ui, state, info));
+                }
                 section(ui, "Times", true, |ui| times::show(ui, info));
                 section(ui, "Camera", false, |ui| camera::show(ui, state, actions));
                 if state.picked.is_some() {

@@ -8,7 +8,7 @@ pub fn show(ui: &mut Ui, info: &Info) {
     ui.label(format!("{} ({:?})", info.device.info().name, info.mode));
     match info.timings.frame() {
         None => {
-            ui.label("This device has no clock.");
+            ui.label("No times: none yet, or this device has no clock.");
         }
         Some(frame) => {
             Grid::new("times").num_columns(4).show(ui, |ui| {

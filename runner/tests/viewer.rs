@@ -1,0 +1,187 @@
+//! The viewer on a virtual display (Xvfb), played by scripts that count frames. Needs `cargo xtask setup --tests`.
+
+use std::io::{BufRead, BufReader};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+
+const SCENES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../assets/scenes");
+
+/// A display of its own; ends with the test.
+struct Display {
+    server: Child,
+    name: String,
+}
+
+impl Display {
+    /// None where `CANDELA_ALLOW_NO_GPU=1` says that pictures can't be tested here.
+    fn open() -> Option<Display> {
+        let server = Command::new("Xvfb")
+            .args(["-displayfd", "1", "-screen", "0", "640x480x24", "-nolisten", "tcp"])
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn();
+        let mut server = match server {
+            Ok(server) => server,
+            Err(error) if std::env::var("CANDELA_ALLOW_NO_GPU").as_deref() == Ok("1") => {
+                eprintln!("skipped: Xvfb: {error}");
+                return None;
+            }
+            Err(error) => panic!("Xvfb: {error}; cargo xtask setup --tests installs it"),
+        };
+        // The server says its number once it is ready.
+        let mut number = String::new();
+        let stdout = server.stdout.take().expect("its output is piped");
+        BufReader::new(stdout).read_line(&mut number).expect("the server says its number");
+        Some(Display { server, name: format!(":{}", number.trim()) })
+    }
+
+    fn command(&self, program: &str) -> Command {
+        let mut command = Command::new(program);
+        command.env("DISPLAY", &self.name).env_remove("WAYLAND_DISPLAY");
+        command
+    }
+
+    fn viewer(&self, script: &Path) -> Command {
+        let mut command = self.command(env!("CARGO_BIN_EXE_candela"));
+        if std::env::var("CANDELA_NO_VALIDATION").as_deref() != Ok("1") {
+            command.arg("--validate");
+        }
+        command.arg(format!("{SCENES}/cornell-box.glb")).args(["--size", "160x120", "--script"]).arg(script);
+        command
+    }
+}
+
+impl Drop for Display {
+    fn drop(&mut self) {
+        let _ = self.server.kill();
+        let _ = self.server.wait();
+    }
+}
+
+/// A folder that goes with the test.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Folder {
+        let path = std::env::temp_dir().join(format!("candela-viewer-{name}-{}", std::process::id()));
+        std::fs::create_dir_all(&path).expect("a folder");
+        Folder(path)
+    }
+
+    fn script(&self, text: &str) -> PathBuf {
+        let path = self.0.join("script");
+        std::fs::write(&path, text).expect("a script");
+        path
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+fn play(display: &Display, folder: &Folder, text: &str) -> Output {
+    display.viewer(&folder.script(text)).output().expect("the viewer starts")
+}
+
+fn assert_success(output: &Output) {
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{said}");
+}
+
+#[test]
+fn every_knob_and_view_and_five_sizes() {
+    let Some(display) = Display::open() else { return };
+    let folder = Folder::new("knobs");
+    let mut text = String::from("frames 2\n");
+    for (i, size) in ["200 100", "128 128", "100 200", "64 64", "160 120"].iter().enumerate() {
+        text += &format!("resize {size}\nframes 2\nexpect size {}\n", size.replace(' ', "x"));
+        // Not only in the first state.
+        text += if i == 1 { "key KeyP\n" } else { "" };
+    }
+    text += "knobs\nkey KeyB\nframes 1\nkey KeyL\nkey Period\nframes 1\n";
+    text += &"key KeyG\nframes 1\n".repeat(15);
+    text += "key KeyB\nkey KeyX\nframes 4\nexpect reference there\nexpect compared yes\n";
+    text += "click 100 60\nframes 3\nkey KeyF\nframes 1\ndrag left 90 50 120 70\ndrag right 90 50 80 40\nscroll 2\n";
+    text += "key F1\nframes 1\nkey F1\nkey KeyH\nkey F10\nkey F11\nframes 2\nclose\n";
+    assert_success(&play(&display, &folder, &text));
+}
+
+#[test]
+fn dropped_files_and_a_screenshot() {
+    let Some(display) = Display::open() else { return };
+    let folder = Folder::new("files");
+    let out = folder.0.display();
+    std::fs::write(folder.0.join("broken.glb"), b"glTF, but not really").expect("a broken file");
+    let text = format!(
+        "frames 2\nexpect scene cornell\ndrop {SCENES}/point-lights.glb\nloaded\nframes 2\nexpect scene point\n\
+         drop {out}/broken.glb\nloaded\nframes 1\nexpect error broken.glb\nexpect scene point\n\
+         drop notes.txt\nframes 1\nexpect error notes.txt\n\
+         key Comma\nframes 1\nsave {out}\nclose\n"
+    );
+    assert_success(&play(&display, &folder, &text));
+    for extension in ["png", "exr", "json"] {
+        assert!(folder.0.join(format!("candela-001.{extension}")).exists(), "{extension}");
+    }
+    let json = std::fs::read_to_string(folder.0.join("candela-001.json")).expect("settings");
+    assert!(json.contains("\"candidates\": 16"), "{json}");
+    // The same settings give the same picture without a window.
+    let rendered = Command::new(env!("CARGO_BIN_EXE_candela"))
+        .arg("render")
+        .arg(format!("{SCENES}/point-lights.glb"))
+        .args(["--size", "16x16", "--frames", "1", "--settings"])
+        .arg(folder.0.join("candela-001.json"))
+        .arg("-o")
+        .arg(folder.0.join("again.png"))
+        .output()
+        .expect("render starts");
+    assert_success(&rendered);
+}
+
+#[test]
+fn a_failing_device_ends_the_viewer_with_a_message() {
+    let Some(display) = Display::open() else { return };
+    let folder = Folder::new("failures");
+    for (failure, said) in [("lost", "device lost in pass"), ("memory", "out of memory: buffer 'radiance'")] {
+        let output = play(&display, &folder, &format!("frames 2\nfail {failure}\n"));
+        let text = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(2), "{text}");
+        assert!(text.contains(said), "{text}");
+    }
+    // The script's checks can fail.
+    let output = play(&display, &folder, "frames 1\nexpect scene elsewhere\nclose\n");
+    assert_eq!(output.status.code(), Some(2));
+}
+
+#[test]
+fn without_a_display_one_line_says_what_works() {
+    let output = Command::new(env!("CARGO_BIN_EXE_candela"))
+        .env_remove("DISPLAY")
+        .env_remove("WAYLAND_DISPLAY")
+        .env_remove("WAYLAND_SOCKET")
+        .output()
+        .expect("the viewer starts");
+    let text = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!((output.status.code(), text.lines().count()), (Some(2), 1), "{text}");
+    assert!(text.contains("no display") && text.contains("candela render"), "{text}");
+}
+
+/// A person's keys, through the X server: Escape closes the help first, then the window.
+#[test]
+fn real_keys_reach_the_window() {
+    let Some(display) = Display::open() else { return };
+    let folder = Folder::new("keys");
+    let mut viewer = display.viewer(&folder.script("")).spawn().expect("the viewer starts");
+    let keys = display
+        .command("xdotool")
+        .args(["search", "--sync", "--onlyvisible", "--name", "Candela", "windowfocus", "--sync"])
+        .args(["mousemove", "80", "60", "key", "F1", "key", "Escape", "key", "Escape"])
+        .status();
+    if !keys.as_ref().is_ok_and(|status| status.success()) {
+        let _ = viewer.kill();
+        panic!("xdotool: {keys:?}; cargo xtask setup --tests installs it");
+    }
+    let status = viewer.wait().expect("the viewer ends");
+    assert_eq!(status.code(), Some(0));
+}
