@@ -180,6 +180,9 @@ pub struct SweepArgs {
     /// Width x height in pixels, in place of the plan's.
     #[arg(long, value_parser = parse_size)]
     pub size: Option<UVec2>,
+    /// Frames before the timed ones, in place of the plan's.
+    #[arg(long, value_name = "FRAMES")]
+    pub warm_up: Option<u32>,
     /// Timed frames, in place of the plan's.
     #[arg(long, value_parser = clap::value_parser!(u32).range(2..))]
     pub frames: Option<u32>,
