@@ -3,6 +3,7 @@
 pub mod args;
 mod compare;
 mod export;
+mod explain;
 mod fixtures;
 mod info;
 mod output;
@@ -29,6 +30,7 @@ pub fn run(cli: Cli) -> Result<()> {
         Command::Sweep(args) => sweep::run(&args),
         Command::Report(args) => report::run(&args),
         Command::Export(args) => export::run(&args),
+        Command::Explain(args) => explain::run(&args),
         Command::Fixtures { directory } => fixtures::run(&directory),
     }
 }
