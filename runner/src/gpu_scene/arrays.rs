@@ -1,11 +1,10 @@
 //! A scene as the flat arrays that the GPU reads; still plain CPU data.
 
 use crate::error::{Error, Result};
-use crate::scene::lights::LightTable;
 use crate::scene::{AlphaMode, Material, Mesh, Primitive, SceneDescription, Workflow};
 use glam::{Vec2, Vec3, Vec4};
 use shared::frame::features;
-use shared::geometry::{InstanceGeometry, NO_LIGHT, VertexAttributes, pack_tangent};
+use shared::geometry::{InstanceGeometry, VertexAttributes, pack_tangent};
 use shared::material::{NO_TEXTURE, UvMap, flag};
 use shared::math::pack_direction;
 
@@ -57,12 +56,12 @@ pub struct Placement {
 }
 
 impl SceneArrays {
-    pub fn new(scene: &SceneDescription, lights: &LightTable) -> Result<Self> {
+    pub fn new(scene: &SceneDescription) -> Result<Self> {
         let mut arrays = SceneArrays { features: features_of(scene), ..Default::default() };
         arrays.materials = scene.materials.iter().map(gpu_material).collect();
         let meshes =
             scene.meshes.iter().map(|mesh| arrays.add_mesh(scene, mesh)).collect::<Result<Vec<_>>>()?;
-        for (i, (instance, first_lights)) in scene.instances.iter().zip(&lights.first_light).enumerate() {
+        for (i, instance) in scene.instances.iter().enumerate() {
             for (part, primitives) in &meshes[instance.mesh] {
                 let custom_index = index32(arrays.instances.len())?;
                 arrays.placements.push(Placement { instance: i, part: *part, custom_index });
@@ -72,7 +71,6 @@ impl SceneArrays {
                         range.first_index,
                         range.first_vertex,
                         index32(scene.meshes[instance.mesh].primitives[p].material)?,
-                        first_lights[p].unwrap_or(NO_LIGHT),
                     ));
                 }
             }
