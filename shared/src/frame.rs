@@ -128,6 +128,9 @@ pub mod features {
     /// There are lights of [`crate::light::kind`] k where bit k above this one is set.
     pub const FIRST_LIGHT_KIND: u32 = 24;
 
+    /// All those bits.
+    pub const LIGHT_KINDS: u32 = u32::MAX << FIRST_LIGHT_KIND;
+
     /// The bit that lights of `kind` set.
     pub const fn light_kind(kind: u32) -> u32 {
         1 << (FIRST_LIGHT_KIND + kind)

@@ -155,5 +155,15 @@ pub fn kinds() -> Vec<(&'static str, SceneDescription)> {
     let SceneDescription { directional_lights, .. } = suns();
     let SceneDescription { environment, .. } = sky();
     let together = SceneDescription { spot_lights, directional_lights, environment, ..many_lights() };
-    vec![("spots", spots()), ("suns", suns()), ("sky", sky()), ("together", together)]
+    let triangles = SceneDescription { point_lights: vec![], ..many_lights() };
+    let mut points = many_lights();
+    points.meshes[0].primitives.truncate(1);
+    vec![
+        ("points", points),
+        ("triangles", triangles),
+        ("spots", spots()),
+        ("suns", suns()),
+        ("sky", sky()),
+        ("together", together),
+    ]
 }

@@ -56,7 +56,8 @@ pub struct SceneArgs {
     /// The same as N_LIGHTS.
     #[arg(long, value_name = "N", conflicts_with = "n_lights")]
     pub lights: Option<usize>,
-    /// Environment map around the scene: equirectangular .hdr or .exr, +Y up, its middle is +X.
+    /// Environment map around the scene: equirectangular .hdr or .exr, +Y up, its middle is +X; or `studio`, a built-in
+    /// one for looking at models.
     #[arg(long, value_name = "FILE")]
     pub environment: Option<PathBuf>,
     /// Factor from the environment map's values to nit.
@@ -152,6 +153,11 @@ pub struct ReferenceArgs {
 pub struct InfoArgs {
     #[command(flatten)]
     pub scene: SceneArgs,
+    #[command(flatten)]
+    pub device: DeviceArgs,
+    /// As one JSON object.
+    #[arg(long)]
+    pub json: bool,
 }
 
 #[derive(Args, Clone, Debug)]

@@ -45,7 +45,7 @@ pub struct World<'a> {
 impl<'a> World<'a> {
     pub fn new(scene: &'a SceneDescription) -> Result<Self> {
         let lights = lights::LightTable::new(scene);
-        let arrays = SceneArrays::new(scene, &lights)?;
+        let arrays = SceneArrays::new(scene)?;
         Ok(World { occluders: Occluders { scene, arrays }, lights })
     }
 

@@ -1,11 +1,11 @@
 //! A scene as the flat arrays that the GPU reads; still plain CPU data.
 
 use crate::error::{Error, Result};
-use crate::scene::lights::LightTable;
 use crate::scene::{AlphaMode, Material, Mesh, Primitive, SceneDescription, Workflow};
 use glam::{Vec2, Vec3, Vec4};
 use shared::frame::features;
-use shared::geometry::{InstanceGeometry, NO_LIGHT, VertexAttributes, pack_tangent};
+use shared::light::kind;
+use shared::geometry::{InstanceGeometry, VertexAttributes, pack_tangent};
 use shared::material::{NO_TEXTURE, UvMap, flag};
 use shared::math::pack_direction;
 
@@ -57,12 +57,12 @@ pub struct Placement {
 }
 
 impl SceneArrays {
-    pub fn new(scene: &SceneDescription, lights: &LightTable) -> Result<Self> {
-        let mut arrays = SceneArrays { features: features_of(scene, lights), ..Default::default() };
+    pub fn new(scene: &SceneDescription) -> Result<Self> {
+        let mut arrays = SceneArrays { features: features_of(scene), ..Default::default() };
         arrays.materials = scene.materials.iter().map(gpu_material).collect();
         let meshes =
             scene.meshes.iter().map(|mesh| arrays.add_mesh(scene, mesh)).collect::<Result<Vec<_>>>()?;
-        for (i, (instance, first_lights)) in scene.instances.iter().zip(&lights.first_light).enumerate() {
+        for (i, instance) in scene.instances.iter().enumerate() {
             for (part, primitives) in &meshes[instance.mesh] {
                 let custom_index = index32(arrays.instances.len())?;
                 arrays.placements.push(Placement { instance: i, part: *part, custom_index });
@@ -72,7 +72,6 @@ impl SceneArrays {
                         range.first_index,
                         range.first_vertex,
                         index32(scene.meshes[instance.mesh].primitives[p].material)?,
-                        first_lights[p].unwrap_or(NO_LIGHT),
                     ));
                 }
             }
@@ -164,10 +163,16 @@ fn gpu_material(material: &Material) -> shared::material::Material {
 }
 
 /// What the scene's pipelines are specialised for.
-fn features_of(scene: &SceneDescription, lights: &LightTable) -> u32 {
+fn features_of(scene: &SceneDescription) -> u32 {
     let mut bits = if scene.environment.is_some() { features::ENVIRONMENT } else { 0 };
-    for light in &lights.lights {
-        bits |= features::light_kind(light.kind);
+    for (kind, there) in [
+        (kind::POINT, !scene.point_lights.is_empty()),
+        (kind::SPOT, !scene.spot_lights.is_empty()),
+        (kind::DIRECTIONAL, !scene.directional_lights.is_empty()),
+        (kind::ENVIRONMENT, scene.environment.is_some()),
+        (kind::TRIANGLE, scene.materials.iter().any(|m| m.emission != Vec3::ZERO)),
+    ] {
+        bits |= if there { features::light_kind(kind) } else { 0 };
     }
     for m in &scene.materials {
         for (_, map) in m.textures().iter().zip(&m.uv_maps).filter(|(texture, _)| texture.is_some()) {

@@ -1,6 +1,7 @@
 //! A scene on the device: buffers, textures, acceleration structures, and descriptor set 0 that shows them to shaders.
 
 pub mod arrays;
+pub mod memory;
 
 use crate::error::Result;
 use crate::scene::lights::LightTable;
@@ -25,9 +26,10 @@ pub struct GpuScene {
     environment_size: UVec2,
     features: u32,
     bytes: u64,
+    acceleration_bytes: u64,
     // Kept for the descriptors above.
     _buffers: Vec<Buffer>,
-    _textures: Vec<Image>,
+    textures: Vec<Image>,
     _blas: BlasSet,
     _tlas: Tlas,
 }
@@ -36,7 +38,7 @@ impl GpuScene {
     /// Uploads `scene` and builds its acceleration structures.
     pub fn new(device: &Device, scene: &SceneDescription) -> Result<Self> {
         let lights = LightTable::new(scene);
-        let arrays = SceneArrays::new(scene, &lights)?;
+        let arrays = SceneArrays::new(scene)?;
         let environment = scene.environment.as_ref().map_or(&[][..], |map| &map.radiance);
         let mut upload = Uploader::new(device);
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
@@ -70,15 +72,17 @@ impl GpuScene {
         }
         set.bind_textures(scene_binding::TEXTURES, &views);
         let buffers: Vec<Buffer> = buffers.into_iter().map(|(_, buffer)| buffer).collect();
-        let bytes = buffers.iter().map(Buffer::size).sum::<u64>() + blas.bytes() + tlas.bytes();
+        let bytes = buffers.iter().map(Buffer::size).sum();
+        let acceleration_bytes = blas.bytes() + tlas.bytes();
         Ok(GpuScene {
             set,
             light_count: lights.lights.len() as u32,
             environment_size: scene.environment.as_ref().map_or(UVec2::ZERO, |map| map.size),
             features: arrays.features,
             bytes,
+            acceleration_bytes,
             _buffers: buffers,
-            _textures: textures,
+            textures,
             _blas: blas,
             _tlas: tlas,
         })
@@ -102,9 +106,19 @@ impl GpuScene {
         self.features
     }
 
-    /// Device memory of geometry, lights and acceleration structures (without textures), bytes.
+    /// Device memory of all buffers, bytes; see [`memory`] for what they hold.
     pub fn bytes(&self) -> u64 {
         self.bytes
+    }
+
+    /// Device memory of the acceleration structures, bytes.
+    pub fn acceleration_bytes(&self) -> u64 {
+        self.acceleration_bytes
+    }
+
+    /// Images on the device, mip levels included.
+    pub fn image_count(&self) -> usize {
+        self.textures.len()
     }
 }
 
@@ -189,7 +203,7 @@ fn upload_textures(
                 images.len() - 1
             }
         };
-        views.push((images[index].view(), device.sampler(texture.wrap, texture.linear_filter)?));
+        views.push((images[index].view(), device.sampler(texture.wrap, texture.filter)?));
     }
     Ok((images, views))
 }

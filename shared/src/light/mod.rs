@@ -1,5 +1,7 @@
 //! Lights: one `Light` for every kind, in world space and photometric units, as the GPU reads it.
 
+#[cfg(test)]
+mod sampling_tests;
 mod table;
 #[cfg(test)]
 mod tests;
@@ -20,7 +22,7 @@ use bytemuck::{Pod, Zeroable};
 #[cfg(not(target_arch = "spirv"))]
 use core::f32::consts::PI;
 #[cfg(not(target_arch = "spirv"))]
-use glam::UVec2;
+use glam::{DVec3, UVec2};
 use glam::{Vec2, Vec3};
 #[cfg(target_arch = "spirv")]
 use spirv_std::num_traits::Float;
@@ -98,15 +100,18 @@ impl Light {
     /// An emissive triangle. Vertices in m, counter-clockwise seen from the side that emits; `radiance` in nit.
     pub fn triangle(vertices: [Vec3; 3], radiance: Vec3, double_sided: bool) -> Self {
         let [a, b, c] = vertices;
-        let (edge1, edge2) = (b - a, c - a);
-        let area = 0.5 * edge1.as_dvec3().cross(edge2.as_dvec3()).length();
+        Self::triangle_between(a, [b - a, c - a].map(Vec3::as_dvec3), radiance, double_sided)
+    }
+
+    /// As [`Light::triangle`], by its first vertex and the edges from there to the second and third, m.
+    pub fn triangle_between(first: Vec3, edges: [DVec3; 2], radiance: Vec3, double_sided: bool) -> Self {
         Light {
-            position: a,
+            position: first,
             kind: kind::TRIANGLE,
-            edge1,
+            edge1: edges[0].as_vec3(),
             flags: if double_sided { DOUBLE_SIDED } else { 0 },
-            edge2,
-            area: area as f32,
+            edge2: edges[1].as_vec3(),
+            area: (0.5 * edges[0].cross(edges[1]).length()) as f32,
             emission: radiance,
             power: 0.0,
         }

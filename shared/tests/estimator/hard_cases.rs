@@ -353,7 +353,7 @@ fn barycentric_sums_above_one() {
     let normals = [Vec3::X, Vec3::Y, Vec3::Z].map(pack_direction);
     let attributes =
         normals.map(|normal| VertexAttributes { normal, color: 0xffff_ffff, ..Default::default() });
-    let geometry = InstanceGeometry::new(Affine3A::IDENTITY, 0, 0, 0, u32::MAX);
+    let geometry = InstanceGeometry::new(Affine3A::IDENTITY, 0, 0, 0);
     let sums =
         [Vec2::new(0.5, 0.500_000_1), Vec2::new(1.0, f32::EPSILON), Vec2::new(0.300_000_04, 0.700_000_1)];
     for b in sums {

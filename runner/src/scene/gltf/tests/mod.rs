@@ -3,6 +3,7 @@
 mod errors;
 mod features;
 mod hostile;
+mod khronos;
 mod materials;
 
 use super::*;
