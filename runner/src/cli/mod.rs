@@ -2,8 +2,8 @@
 
 pub mod args;
 mod compare;
-mod export;
 mod explain;
+mod export;
 mod fixtures;
 mod info;
 mod output;

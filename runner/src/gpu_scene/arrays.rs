@@ -4,8 +4,8 @@ use crate::error::{Error, Result};
 use crate::scene::{AlphaMode, Material, Mesh, Primitive, SceneDescription, Workflow};
 use glam::{Vec2, Vec3, Vec4};
 use shared::frame::features;
-use shared::light::kind;
 use shared::geometry::{InstanceGeometry, VertexAttributes, pack_tangent};
+use shared::light::kind;
 use shared::material::{NO_TEXTURE, UvMap, flag};
 use shared::math::pack_direction;
 

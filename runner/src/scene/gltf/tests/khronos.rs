@@ -5,7 +5,7 @@ use super::*;
 use crate::gpu_scene::arrays::SceneArrays;
 use crate::scene::lights::{LightTable, is_lit};
 use crate::scene::{AlphaMode, Workflow};
-use shared::frame::features::{ALPHA, NORMAL_MAPS, TEXTURES, UV_MAPS};
+use shared::frame::features::{ALPHA, LIGHT_KINDS, NORMAL_MAPS, TEXTURES, UV_MAPS};
 
 /// The .gltf of a model; none where there is no such folder.
 fn model(name: &str) -> Option<PathBuf> {
@@ -74,7 +74,7 @@ fn every_model_arrives_whole() {
             (expected.textures, expected.points),
             "{name}"
         );
-        assert_eq!(SceneArrays::new(&scene).unwrap().features & !features::LIGHT_KINDS, expected.features, "{name}");
+        assert_eq!(SceneArrays::new(&scene).unwrap().features & !LIGHT_KINDS, expected.features, "{name}");
         assert_eq!(scene.warnings.len(), expected.warnings.len(), "{name}: {:#?}", scene.warnings);
         for (warning, part) in scene.warnings.iter().zip(expected.warnings) {
             assert!(warning.contains(part), "{name}: '{part}' is missing in: {warning}");
