@@ -3,7 +3,10 @@
 use candela::frame::pass::Rays;
 use candela::frame::pipelines::any_hit;
 use candela::gpu_scene::GpuScene;
-use candela::scene::{AlphaMode, Image, Material, PointLight, Primitive, Texture, Wrap};
+use candela::gpu_scene::arrays::SceneArrays;
+use candela::gpu_scene::memory::costs;
+use candela::scene::lights::LightTable;
+use candela::scene::{AlphaMode, Environment, Filter, Image, Material, PointLight, Primitive, Texture, Wrap};
 use glam::{Affine3A, UVec2, Vec2, Vec3, Vec4};
 use shared::bsdf;
 use shared::frame::Settings;
@@ -33,7 +36,7 @@ fn lid(center: Vec3, half: f32) -> Primitive {
 /// A texture of 2 x 2 RGBA texels, not interpolated.
 fn texture(texels: [[u8; 4]; 4]) -> Texture {
     let image = Image { name: "test".into(), width: 2, height: 2, texels: texels.concat() };
-    Texture { image: Arc::new(image), srgb: false, wrap: [Wrap::Repeat; 2], linear_filter: false }
+    Texture { image: Arc::new(image), srgb: false, wrap: [Wrap::Repeat; 2], filter: Filter::NEAREST }
 }
 
 /// Single frames that trace one shadow ray a pixel for the one light, and so are exact but for lots.
@@ -163,6 +166,65 @@ fn scenes_without_alpha_have_no_any_hit() {
         assert_eq!(any_hit(rays, with(AlphaMode::Opaque) | features::TEXTURES | features::UV_MAPS), None);
         assert!(any_hit(rays, with(AlphaMode::Blend)).is_some());
         assert!(any_hit(rays, with(AlphaMode::Mask { cutoff: 0.5 })).is_some());
+    }
+}
+
+/// What a scene has not, it pays nothing for: no buffer byte, no image, no hit shader. (Passes do not ask for scenes, and
+/// pipelines are specialised with the same bits, so their code is gone too. All 11 bindings of set 0 exist always, as the
+/// shaders' SPIR-V names them; a buffer without content has 16 bytes of memory.)
+#[test]
+fn unused_features_cost_nothing() {
+    let Some(device) = device() else { return };
+    let textured = Material { base_color_texture: Some(0), ..Material::default() };
+    let mut second_set = textured.clone();
+    second_set.uv_maps[slot::BASE_COLOR].set = 1;
+    let normal_mapped = Material { normal_texture: Some(0), ..Material::default() };
+    let glowing = Material { emission: Vec3::ONE, ..Material::default() };
+    let screen = Material { emissive_texture: Some(0), ..glowing.clone() };
+    let blended = Material { alpha: AlphaMode::Blend, ..Material::default() };
+    let sky = Environment { size: UVec2::new(4, 2), radiance: vec![Vec3::ONE; 8] };
+    let plain = ["geometry", "materials", "point lights", "alias table"];
+    let cases: [(&str, Material, Option<Environment>, u32, &[&str]); 8] = [
+        ("nothing", Material::default(), None, 0, &[]),
+        ("texture", textured, None, features::TEXTURES, &["base color textures"]),
+        (
+            "second set",
+            second_set,
+            None,
+            features::TEXTURES | features::UV_MAPS,
+            &["second uv set", "base color textures"],
+        ),
+        ("normals", normal_mapped, None, features::TEXTURES | features::NORMAL_MAPS, &["normal maps"]),
+        ("emission", glowing, None, 0, &["emissive triangles"]),
+        ("screen", screen, None, features::TEXTURES, &["emissive triangles", "emissive textures"]),
+        ("alpha", blended, None, features::ALPHA, &[]),
+        (
+            "sky",
+            Material::default(),
+            Some(sky),
+            features::ENVIRONMENT,
+            &["environment lights", "environment map"],
+        ),
+    ];
+    for (name, material, environment, expected_features, expected) in cases {
+        let has_texture = material.textures().iter().any(Option::is_some);
+        let mut scene = scene(vec![lid(Vec3::Y, 0.5)], vec![material], vec![LIGHT]);
+        scene.environment = environment;
+        if has_texture {
+            scene.textures = vec![texture([[255; 4]; 4])];
+        }
+        let gpu = GpuScene::new(&device, &scene).unwrap();
+        let costs = costs(&scene, &LightTable::new(&scene), &SceneArrays::new(&scene).unwrap());
+        let names: Vec<_> = costs.iter().map(|c| c.feature).filter(|f| !plain.contains(f)).collect();
+        assert_eq!(names, expected, "{name}");
+        assert_eq!(gpu.features(), expected_features, "{name}");
+        assert_eq!(gpu.image_count(), usize::from(has_texture), "{name}");
+        // The list is what the device has, byte for byte.
+        let images = ["base color textures", "normal maps", "emissive textures"];
+        let listed: u64 = costs.iter().filter(|c| !images.contains(&c.feature)).map(|c| c.bytes).sum();
+        assert_eq!(gpu.bytes(), listed, "{name}");
+        let hit_shaders = [Rays::Primary, Rays::Shadow].map(|rays| any_hit(rays, gpu.features()).is_some());
+        assert_eq!(hit_shaders, [name == "alpha"; 2], "{name}");
     }
 }
 

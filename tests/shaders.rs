@@ -89,7 +89,7 @@ fn element(set: u32, binding: u32) -> Option<(&'static str, usize)> {
         motion::InstanceMotion, reservoir::StoredReservoir, surface::GBufferTexel,
     };
     Some(match (set, binding) {
-        (scene::SET, scene::INSTANCES) => ("fffufffufffufffuffffffffffuu", size_of::<InstanceGeometry>()),
+        (scene::SET, scene::INSTANCES) => ("fffufffufffufffffffffffff", size_of::<InstanceGeometry>()),
         (scene::SET, scene::POSITIONS) => ("fff", 12),
         (scene::SET, scene::ATTRIBUTES) => ("uuffu", size_of::<VertexAttributes>()),
         (scene::SET, scene::INDICES) => ("u", 4),

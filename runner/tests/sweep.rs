@@ -132,6 +132,38 @@ fn cells(line: &str) -> Vec<String> {
     line.split(ends_cell).map(|cell| cell.replace('"', "")).collect()
 }
 
+/// A scene that does not exist and a camera that does not exist: the third point is measured all the same.
+#[test]
+fn a_failing_point_does_not_end_a_sweep() {
+    let folder = Folder(std::env::temp_dir().join(format!("candela-failing-{}", std::process::id())));
+    std::fs::create_dir_all(&folder.0).unwrap();
+    let scenes = [("missing", "missing.glb", "[]"), ("lost", "knot", "['nowhere']"), ("here", "knot", "[]")];
+    let mut plan = "title = 'x'\nsize = [16, 16]\nwarm_up = 0\nframes = 2\nreplicas = 1\n".to_owned();
+    for (name, source, cameras) in scenes {
+        plan +=
+            &format!("[[scene]]\nname = '{name}'\nsource = '{source}'\nlights = [3]\ncameras = {cameras}\n");
+    }
+    std::fs::write(folder.0.join("plan.toml"), plan + "[[series]]\nname = 'one'\n").unwrap();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_candela"));
+    let output =
+        command.arg("sweep").arg(folder.0.join("plan.toml")).arg("-o").arg(&folder.0).output().unwrap();
+    let errors = String::from_utf8_lossy(&output.stderr);
+    if output.stdout.is_empty() && std::env::var("CANDELA_ALLOW_NO_GPU").as_deref() == Ok("1") {
+        eprintln!("skipped: {errors}");
+        return;
+    }
+    assert_eq!(output.status.code(), Some(2), "{errors}");
+    assert!(
+        errors.contains("2 of 3 points failed, the first: ") && errors.contains("missing.glb"),
+        "{errors}"
+    );
+    let table = Table::parse(&std::fs::read_to_string(folder.0.join("points.csv")).unwrap());
+    let failed: Vec<bool> = table.rows.iter().map(|row| !table.text(row, "error").is_empty()).collect();
+    assert_eq!(failed, [true, true, false]);
+    assert!(table.text(&table.rows[1], "error").contains("no camera 'nowhere'"));
+    assert!(table.number(&table.rows[2], "frame_ms") > 0.0);
+}
+
 #[test]
 fn mistakes_are_one_line_and_exit_code_2() {
     let run = |args: &[&str]| Command::new(env!("CARGO_BIN_EXE_candela")).args(args).output().unwrap();

@@ -40,14 +40,14 @@ pub fn initial_tiled(
     let mut rng = Rng::new(pixel, frame.index, frame.seed, Stream::Initial, lane);
     let proposal = initial::propose_from_tile(
         &surface,
-        LightTable { lights: Lights { lights }, alias },
+        LightTable { lights: Lights { lights, features }, alias },
         Tiles { entries, points },
         tile_of(frame, pixel, lane),
         frame.settings.candidates,
         &mut rng,
     );
     let mut visible = true;
-    if frame.settings.visibility_reuse != 0 && !proposal.is_dark() {
+    if frame.settings.visibility_reuse != 0 && !proposal.is_certain() {
         visible = trace_shadow(tlas, features, proposal.ray, SURE_HITS_ONLY, payload);
     }
     reservoirs[out] = initial::accept(proposal, visible);

@@ -10,6 +10,7 @@ use spirv_std::spirv;
 #[spirv(compute(threads(8, 8, 1), entry_point_name = "presample"))]
 pub fn presample(
     #[spirv(global_invocation_id)] id: UVec3,
+    #[spirv(spec_constant(id = 0, default = 0))] features: u32,
     #[spirv(storage_buffer, descriptor_set = 0, binding = 6)] lights: &[Light],
     #[spirv(storage_buffer, descriptor_set = 0, binding = 7)] alias: &[AliasEntry],
     #[spirv(uniform, descriptor_set = 1, binding = 0)] frame: &FrameConstants,
@@ -20,6 +21,6 @@ pub fn presample(
         return;
     }
     let place = (id.y * TILE_SIZE + id.x) as usize;
-    let table = LightTable { lights: Lights { lights }, alias };
+    let table = LightTable { lights: Lights { lights, features }, alias };
     (entries[place], points[place]) = draw(table, id.y, id.x, frame);
 }

@@ -32,7 +32,7 @@ pub fn reference(
     }
     let surface = texel.unpack(&frame.camera, pixel, frame.size);
     let mut rng = Rng::new(pixel, frame.index, frame.seed, Stream::Reference, constants.first_light);
-    let lights = Lights { lights };
+    let lights = Lights { lights, features };
     let mut sum = Vec3::ZERO;
     let mut light = constants.first_light;
     while light < constants.first_light + constants.light_count {

@@ -35,7 +35,7 @@ pub fn shade(
         return;
     }
     let surface = texel.unpack(&frame.camera, pixel, frame.size);
-    let lights = LightTable { lights: Lights { lights }, alias };
+    let lights = LightTable { lights: Lights { lights, features }, alias };
     let mut rng = Rng::new(pixel, frame.index, frame.seed, Stream::Shade, 0);
     let mut lit = shading::Average::default();
     let mut lane = 0;

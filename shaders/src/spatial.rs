@@ -15,6 +15,7 @@ use spirv_std::spirv;
 pub fn spatial(
     #[spirv(global_invocation_id)] id: UVec3,
     #[spirv(push_constant)] constants: &PassConstants,
+    #[spirv(spec_constant(id = 0, default = 0))] features: u32,
     #[spirv(storage_buffer, descriptor_set = 0, binding = 6)] lights: &[Light],
     #[spirv(storage_buffer, descriptor_set = 0, binding = 7)] alias: &[AliasEntry],
     #[spirv(uniform, descriptor_set = 1, binding = 0)] frame: &FrameConstants,
@@ -36,6 +37,6 @@ pub fn spatial(
     let pixels = Pixels { gbuffer, reservoirs };
     let repetition = lane + frame.settings.reservoirs * constants.iteration;
     let mut rng = Rng::new(pixel, frame.index, frame.seed, Stream::Spatial, repetition);
-    let lights = LightTable { lights: Lights { lights }, alias };
+    let lights = LightTable { lights: Lights { lights, features }, alias };
     merged[index] = spatial::biased(frame, lights, &surface, pixels, pixel, lane, &mut rng);
 }

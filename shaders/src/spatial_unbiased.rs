@@ -37,7 +37,8 @@ pub fn spatial_unbiased(
         return;
     }
     let surface = texel.unpack(&frame.camera, pixel, frame.size);
-    let (lights, pixels) = (LightTable { lights: Lights { lights }, alias }, Pixels { gbuffer, reservoirs });
+    let (lights, pixels) =
+        (LightTable { lights: Lights { lights, features }, alias }, Pixels { gbuffer, reservoirs });
     let repetition = lane + frame.settings.reservoirs * constants.iteration;
     let mut rng = Rng::new(pixel, frame.index, frame.seed, Stream::Spatial, repetition);
     let asks = frame.settings.visibility_is_known();
@@ -46,6 +47,6 @@ pub fn spatial_unbiased(
         !asks || proposal.is_certain() || trace_shadow(tlas, features, proposal.ray, SURE_HITS_ONLY, payload);
     let proposal = spatial::accept(&surface, lights, proposal, visible, &mut rng);
     let visible =
-        !asks || proposal.is_dark() || trace_shadow(tlas, features, proposal.ray, SURE_HITS_ONLY, payload);
+        !asks || proposal.is_certain() || trace_shadow(tlas, features, proposal.ray, SURE_HITS_ONLY, payload);
     merged[index] = initial::accept(proposal, visible);
 }

@@ -13,6 +13,7 @@ use spirv_std::spirv;
 #[spirv(compute(threads(8, 8, 1), entry_point_name = "temporal"))]
 pub fn temporal(
     #[spirv(global_invocation_id)] id: UVec3,
+    #[spirv(spec_constant(id = 0, default = 0))] features: u32,
     #[spirv(storage_buffer, descriptor_set = 0, binding = 6)] lights: &[Light],
     #[spirv(storage_buffer, descriptor_set = 0, binding = 7)] alias: &[AliasEntry],
     #[spirv(uniform, descriptor_set = 1, binding = 0)] frame: &FrameConstants,
@@ -33,7 +34,7 @@ pub fn temporal(
     let surface = texel.unpack(&frame.camera, pixel, frame.size);
     let previous = Pixels { gbuffer: previous_gbuffer, reservoirs: history };
     let mut rng = Rng::new(pixel, frame.index, frame.seed, Stream::Temporal, lane);
-    let lights = LightTable { lights: Lights { lights }, alias };
+    let lights = LightTable { lights: Lights { lights, features }, alias };
     reservoirs[index] =
         temporal::biased(frame, lights, &surface, reservoirs[index], previous, lane, &mut rng);
 }

@@ -36,7 +36,7 @@ pub fn temporal_unbiased(
     }
     let index = reservoir_index(frame, pixel, lane) as usize;
     let surface = texel.unpack(&frame.camera, pixel, frame.size);
-    let lights = LightTable { lights: Lights { lights }, alias };
+    let lights = LightTable { lights: Lights { lights, features }, alias };
     let previous = Pixels { gbuffer: previous_gbuffer, reservoirs: history };
     let current = reservoirs[index];
     let Some(proposal) = temporal::propose(frame, lights, &surface, current, previous, lane) else {
@@ -44,10 +44,10 @@ pub fn temporal_unbiased(
     };
     let asks = frame.settings.visibility_is_known();
     let visible =
-        !asks || proposal.is_dark() || trace_shadow(tlas, features, proposal.ray, SURE_HITS_ONLY, payload);
+        !asks || proposal.is_certain() || trace_shadow(tlas, features, proposal.ray, SURE_HITS_ONLY, payload);
     let mut rng = Rng::new(pixel, frame.index, frame.seed, Stream::Temporal, lane);
     let merged = temporal::accept(lights, &surface, current, proposal, visible, &mut rng);
     let visible =
-        !asks || merged.is_dark() || trace_shadow(tlas, features, merged.ray, SURE_HITS_ONLY, payload);
+        !asks || merged.is_certain() || trace_shadow(tlas, features, merged.ray, SURE_HITS_ONLY, payload);
     reservoirs[index] = initial::accept(merged, visible);
 }

@@ -16,6 +16,7 @@ use spirv_std::spirv;
 pub fn view(
     #[spirv(global_invocation_id)] id: UVec3,
     #[spirv(push_constant)] constants: &PassConstants,
+    #[spirv(spec_constant(id = 0, default = 0))] features: u32,
     #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] instances: &[InstanceGeometry],
     #[spirv(storage_buffer, descriptor_set = 0, binding = 5)] materials: &[Material],
     #[spirv(storage_buffer, descriptor_set = 0, binding = 6)] lights: &[Light],
@@ -46,7 +47,7 @@ pub fn view(
     }
     if constants.view == view::kind::VISIBILITY && !texel.is_empty() {
         let surface = texel.unpack(&frame.camera, pixel, frame.size);
-        let incident = Lights { lights }.incident(shown.reservoir.sample, surface.position);
+        let incident = Lights { lights, features }.incident(shown.reservoir.sample, surface.position);
         shown.unshadowed = unshadowed(&surface, &incident) * shown.reservoir.contribution_weight;
     }
     let color = if constants.view == view::kind::FEATURES && !texel.is_empty() {

@@ -23,7 +23,7 @@ pub fn eval(reflectance: &Reflectance, n: Vec3, wo: Vec3, wi: Vec3) -> Vec3 {
     let half = (wo + wi).normalize();
     let fresnel = schlick(reflectance.f0, wi.dot(half).clamp(0.0, 1.0));
     let alpha = (reflectance.roughness * reflectance.roughness).max(MIN_ALPHA);
-    let specular = ggx(n, half, alpha) * smith(cos_o, cos_i, alpha);
+    let specular = specular(n, half, cos_o, cos_i, alpha);
     (Vec3::ONE - fresnel) * reflectance.diffuse * FRAC_1_PI + fresnel * specular
 }
 
@@ -34,20 +34,15 @@ fn schlick(f0: Vec3, cos: f32) -> Vec3 {
     f0 + (Vec3::ONE - f0) * (m2 * m2 * m)
 }
 
-/// D(h), 1/sr (Trowbridge & Reitz 1975): sin²θ from the cross product, which keeps its digits at narrow lobes.
-fn ggx(n: Vec3, half: Vec3, alpha: f32) -> f32 {
-    let sin2 = n.cross(half).length_squared();
-    let cos = n.dot(half);
-    let denominator = sin2 + cos * cos * alpha * alpha;
-    safe_ratio(alpha * alpha * FRAC_1_PI, denominator * denominator)
-}
-
-/// V = G / (4 cosθo cosθi), height-correlated.
-fn smith(cos_o: f32, cos_i: f32, alpha: f32) -> f32 {
+/// D(h) V(wo, wi), 1/sr: D of Trowbridge & Reitz 1975, with sin²θ from the cross product, which keeps its digits at narrow
+/// lobes; V = G / (4 cosθo cosθi), height-correlated. One division for both.
+fn specular(n: Vec3, half: Vec3, cos_o: f32, cos_i: f32, alpha: f32) -> f32 {
     let a2 = alpha * alpha;
+    let cos_h = n.dot(half);
+    let lobe = n.cross(half).length_squared() + cos_h * cos_h * a2;
     let o = cos_i * (cos_o * cos_o * (1.0 - a2) + a2).sqrt();
     let i = cos_o * (cos_i * cos_i * (1.0 - a2) + a2).sqrt();
-    safe_ratio(0.5, o + i)
+    safe_ratio(0.5 * FRAC_1_PI * a2, lobe * lobe * (o + i))
 }
 
 #[cfg(test)]
@@ -169,7 +164,9 @@ mod tests {
                 let h = Vec3::new((1.0 - cos2).sqrt() as f32, 0.0, cos2.sqrt() as f32);
                 // cosθ dω = 2π cosθ sinθ dθ = π cos⁴θ d(tan²θ).
                 let jacobian = core::f64::consts::PI * cos2 * cos2 * dtan2;
-                sum += f64::from(ggx(Vec3::Z, h, alpha)) * jacobian / f64::from(n);
+                // V = 1/4 for cosθo = cosθi = 1.
+                let d = 4.0 * specular(Vec3::Z, h, 1.0, 1.0, alpha);
+                sum += f64::from(d) * jacobian / f64::from(n);
             }
             assert!((sum - 1.0).abs() < 1e-3, "alpha {alpha}: {sum}");
         }

@@ -125,4 +125,14 @@ pub mod features {
     pub const ALPHA: u32 = 8;
     /// There is an environment map.
     pub const ENVIRONMENT: u32 = 1 << 16;
+    /// There are lights of [`crate::light::kind`] k where bit k above this one is set.
+    pub const FIRST_LIGHT_KIND: u32 = 24;
+
+    /// All those bits.
+    pub const LIGHT_KINDS: u32 = u32::MAX << FIRST_LIGHT_KIND;
+
+    /// The bit that lights of `kind` set.
+    pub const fn light_kind(kind: u32) -> u32 {
+        1 << (FIRST_LIGHT_KIND + kind)
+    }
 }

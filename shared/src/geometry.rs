@@ -4,10 +4,7 @@ use crate::math::{cross, normalize_or, pack_direction, unpack_direction};
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3};
 
-/// No light: the triangles of this geometry do not emit.
-pub const NO_LIGHT: u32 = u32::MAX;
-
-/// One primitive (glTF) of one instance; the TLAS instance's custom index + the geometry index lead here. 112 bytes.
+/// One primitive (glTF) of one instance; the TLAS instance's custom index + the geometry index lead here. 100 bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct InstanceGeometry {
@@ -21,15 +18,12 @@ pub struct InstanceGeometry {
     pub axis_z: Vec3,
     pub material: u32,
     pub translation: Vec3,
-    /// The light of this primitive's first triangle, or [`NO_LIGHT`].
-    pub first_light: u32,
+    /// -1 for a transform that mirrors, else 1: turns a triangle's winding back.
+    pub handedness: f32,
     /// Columns of the inverse transpose, up to a positive factor: they turn normals.
     pub normal_x: Vec3,
     pub normal_y: Vec3,
     pub normal_z: Vec3,
-    /// -1 for a transform that mirrors, else 1: turns a triangle's winding back.
-    pub handedness: f32,
-    pub padding: [u32; 2],
 }
 
 /// What a vertex has beside its position. 20 bytes.
@@ -163,13 +157,7 @@ impl SurfacePoint {
 #[cfg(not(target_arch = "spirv"))]
 impl InstanceGeometry {
     /// A primitive under `transform` (object to world); indices as in the fields.
-    pub fn new(
-        transform: glam::Affine3A,
-        first_index: u32,
-        first_vertex: u32,
-        material: u32,
-        first_light: u32,
-    ) -> Self {
+    pub fn new(transform: glam::Affine3A, first_index: u32, first_vertex: u32, material: u32) -> Self {
         let m = transform.matrix3.as_dmat3();
         let determinant = m.determinant();
         // The cofactor matrix is the inverse transpose times the determinant; it also exists for flat transforms.
@@ -185,12 +173,10 @@ impl InstanceGeometry {
             axis_z: transform.matrix3.z_axis.into(),
             material,
             translation: transform.translation.into(),
-            first_light,
+            handedness: sign as f32,
             normal_x,
             normal_y,
             normal_z,
-            handedness: sign as f32,
-            padding: [0; 2],
         }
     }
 }
@@ -219,7 +205,7 @@ mod tests {
 
     #[test]
     fn memory_is_as_documented() {
-        assert_eq!(size_of::<InstanceGeometry>(), 112);
+        assert_eq!(size_of::<InstanceGeometry>(), 100);
         assert_eq!(size_of::<VertexAttributes>(), 20);
     }
 
@@ -230,8 +216,7 @@ mod tests {
             Quat::from_rotation_x(core::f32::consts::FRAC_PI_2),
             Vec3::new(5.0, 0.0, 0.0),
         );
-        let point = InstanceGeometry::new(transform, 0, 0, 0, NO_LIGHT)
-            .surface_point(triangle(), Vec2::new(0.25, 0.5));
+        let point = InstanceGeometry::new(transform, 0, 0, 0).surface_point(triangle(), Vec2::new(0.25, 0.5));
         assert!((point.position - Vec3::new(5.5, 0.0, 1.5)).length() < 1e-5);
         assert!(
             (point.normal + Vec3::Y).length() < 1e-3 && (point.geometric_normal + Vec3::Y).length() < 1e-6
@@ -244,8 +229,7 @@ mod tests {
     #[test]
     fn mirrors_keep_normals_outward() {
         let transform = Affine3A::from_scale(Vec3::new(-1.0, 1.0, 1.0));
-        let point =
-            InstanceGeometry::new(transform, 0, 0, 0, NO_LIGHT).surface_point(triangle(), Vec2::splat(0.3));
+        let point = InstanceGeometry::new(transform, 0, 0, 0).surface_point(triangle(), Vec2::splat(0.3));
         assert!(point.geometric_normal.dot(Vec3::Z) > 0.999 && point.normal.dot(Vec3::Z) > 0.999);
         let bumped = point.mapped_normal(Vec3::new(0.5, 1.0, 0.5), 1.0);
         assert!((bumped - Vec3::Y).length() < 1e-3, "green points along +v's bitangent: {bumped}");
@@ -255,17 +239,16 @@ mod tests {
     fn normals_follow_non_uniform_scale() {
         // A 45° slope squashed to half its height.
         let slope = Vec3::new(1.0, 1.0, 0.0).normalize();
-        let geometry =
-            InstanceGeometry::new(Affine3A::from_scale(Vec3::new(1.0, 0.5, 1.0)), 0, 0, 0, NO_LIGHT);
+        let geometry = InstanceGeometry::new(Affine3A::from_scale(Vec3::new(1.0, 0.5, 1.0)), 0, 0, 0);
         let turned = geometry.normal_to_world(slope).normalize();
         assert!((turned - Vec3::new(0.5, 1.0, 0.0).normalize()).length() < 1e-6);
-        let flat = InstanceGeometry::new(Affine3A::from_scale(Vec3::new(1.0, 0.0, 1.0)), 0, 0, 0, NO_LIGHT);
+        let flat = InstanceGeometry::new(Affine3A::from_scale(Vec3::new(1.0, 0.0, 1.0)), 0, 0, 0);
         assert!(flat.normal_to_world(Vec3::Y).is_finite());
     }
 
     #[test]
     fn flat_normal_map_changes_nothing() {
-        let geometry = InstanceGeometry::new(Affine3A::IDENTITY, 0, 0, 0, NO_LIGHT);
+        let geometry = InstanceGeometry::new(Affine3A::IDENTITY, 0, 0, 0);
         let point = geometry.surface_point(triangle(), Vec2::splat(0.3));
         assert!((point.mapped_normal(Vec3::new(0.5, 0.5, 1.0), 1.0) - Vec3::Z).length() < 1e-3);
         assert!(point.mapped_normal(Vec3::new(1.0, 0.5, 0.5), 1.0).dot(Vec3::X) > 0.999);

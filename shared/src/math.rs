@@ -11,13 +11,9 @@ pub fn luminance(rgb: Vec3) -> f32 {
 
 /// `numerator / denominator`, or 0 where the quotient is no finite number or the denominator is not positive.
 pub fn safe_ratio(numerator: f32, denominator: f32) -> f32 {
-    // The comparisons are false for NaN, so a NaN operand gives 0 as well.
-    if denominator > 0.0 {
-        let quotient = numerator / denominator;
-        if quotient.abs() <= f32::MAX { quotient } else { 0.0 }
-    } else {
-        0.0
-    }
+    let quotient = numerator / denominator;
+    // The comparisons are false for NaN, so a NaN operand gives 0 as well. One select and no branch: this is everywhere.
+    if (denominator > 0.0) & (quotient.abs() <= f32::MAX) { quotient } else { 0.0 }
 }
 
 /// `v / |v|`, or `fallback` for a vector without a direction. Scales first, so lengths whose square would

@@ -71,6 +71,11 @@ impl Reservoir {
 }
 
 impl StoredReservoir {
+    /// Do both hold a light, and the same point on it?
+    pub fn shares_sample_with(self, other: StoredReservoir) -> bool {
+        self.contribution_weight > 0.0 && other.contribution_weight > 0.0 && self.sample == other.sample
+    }
+
     /// Visibility reuse: an occluded survivor contributes nothing, here and wherever it would be reused.
     pub fn occluded(self) -> Self {
         StoredReservoir { contribution_weight: 0.0, ..self }

@@ -170,6 +170,13 @@ fn visible_normal(normal: Vec3, wo: Vec3) -> Vec3 {
 }
 
 impl Surface {
+    /// Do both see the same, to the last bit?
+    pub fn is_same_point(&self, other: &Surface) -> bool {
+        self.position == other.position
+            && self.geometric_normal == other.geometric_normal
+            && self.distance == other.distance
+    }
+
     /// Where a ray starts that leaves this surface for a point `room` m above it.
     pub fn ray_origin(&self, room: f32) -> Vec3 {
         offset_ray_origin(self.position, self.geometric_normal, self.distance, room)

@@ -9,10 +9,10 @@ use glam::Vec3;
 /// f(wo, wi) Le G without visibility: reflected radiance per measure of the light (nit/m² or nit), linear RGB.
 /// 0 for light from behind the surface, real or shaded.
 pub fn unshadowed(surface: &Surface, incident: &Incident) -> Vec3 {
-    if surface.geometric_normal.dot(incident.direction) <= 0.0 {
+    let cos = surface.normal.dot(incident.direction);
+    if (surface.geometric_normal.dot(incident.direction) <= 0.0) | (cos <= 0.0) {
         return Vec3::ZERO;
     }
-    let cos = surface.normal.dot(incident.direction).max(0.0);
     bsdf::eval(&surface.reflectance, surface.normal, surface.wo, incident.direction)
         * incident.irradiance
         * cos

@@ -1,7 +1,9 @@
 //! What the tests share: a device, scenes with known answers, statistics, pictures of what went wrong.
 
+pub mod docs;
 pub mod failure;
 pub mod gpu;
+pub mod outside;
 pub mod scenes;
 pub mod spirv;
 pub mod statistics;

@@ -37,6 +37,10 @@ pub enum Command {
     Sweep(SweepArgs),
     /// Write the report of a sweep again, or the tables of a page.
     Report(ReportArgs),
+    /// Write a scene for other programs: scene.json and PLY files (tools/mitsuba renders them with Mitsuba).
+    Export(ExportArgs),
+    /// Replay one pixel of one frame on the CPU: each candidate, ray and weight, and whether the GPU agrees.
+    Explain(ExplainArgs),
     /// Write the project's own test scenes.
     #[command(hide = true)]
     Fixtures { directory: PathBuf },
@@ -53,7 +57,8 @@ pub struct SceneArgs {
     /// The same as N_LIGHTS.
     #[arg(long, value_name = "N", conflicts_with = "n_lights")]
     pub lights: Option<usize>,
-    /// Environment map around the scene: equirectangular .hdr or .exr, +Y up, its middle is +X.
+    /// Environment map around the scene: equirectangular .hdr or .exr, +Y up, its middle is +X; or `studio`, a built-in
+    /// one for looking at models.
     #[arg(long, value_name = "FILE")]
     pub environment: Option<PathBuf>,
     /// Factor from the environment map's values to nit.
@@ -174,6 +179,11 @@ pub struct ReferenceArgs {
 pub struct InfoArgs {
     #[command(flatten)]
     pub scene: SceneArgs,
+    #[command(flatten)]
+    pub device: DeviceArgs,
+    /// As one JSON object.
+    #[arg(long)]
+    pub json: bool,
 }
 
 #[derive(Args, Clone, Debug)]
@@ -206,6 +216,9 @@ pub struct SweepArgs {
     /// Width x height in pixels, in place of the plan's.
     #[arg(long, value_parser = parse_size)]
     pub size: Option<UVec2>,
+    /// Frames before the timed ones, in place of the plan's.
+    #[arg(long, value_name = "FRAMES")]
+    pub warm_up: Option<u32>,
     /// Timed frames, in place of the plan's.
     #[arg(long, value_parser = clap::value_parser!(u32).range(2..))]
     pub frames: Option<u32>,
@@ -229,6 +242,50 @@ pub struct ReportArgs {
     /// Fill the tables of this page from the folder's .json files.
     #[arg(long, value_name = "FILE")]
     pub markdown: Option<PathBuf>,
+}
+
+#[derive(Args, Clone, Debug)]
+pub struct ExportArgs {
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// Folder to write to; it is made if it is not there.
+    #[arg(short, long, value_name = "DIR")]
+    pub output: PathBuf,
+    /// As for `render`.
+    #[arg(long)]
+    pub camera: Option<String>,
+}
+
+#[derive(Args, Clone, Debug)]
+pub struct ExplainArgs {
+    /// Column of the pixel, from the left, from 0.
+    pub x: u32,
+    /// Row of the pixel, from the top, from 0.
+    pub y: u32,
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// Width x height in pixels.
+    #[arg(long, default_value = "1280x720", value_parser = parse_size)]
+    pub size: UVec2,
+    /// As for `render`.
+    #[arg(long)]
+    pub camera: Option<String>,
+    /// As for `render`.
+    #[arg(long, default_value_t = 0)]
+    pub seed: u32,
+    /// Frames, as `render` counts them; the last one is explained.
+    #[arg(long, default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..))]
+    pub frames: u32,
+    /// Explain this frame instead, counted from 0.
+    #[arg(long, value_name = "F", conflicts_with = "frames")]
+    pub frame: Option<u32>,
+    #[command(flatten)]
+    pub device: DeviceArgs,
+    #[command(flatten)]
+    pub knobs: KnobArgs,
+    /// Print JSON, for scripts.
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// Every knob of the estimator: of `--settings`, changed by what else is said. See [`SettingsFile`].

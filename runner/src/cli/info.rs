@@ -1,73 +1,157 @@
-//! `candela info`: what a scene contains.
+//! `candela info`: what a scene contains, what each of its features costs, and what is left out.
 
 use super::args::InfoArgs;
 use super::view;
 use crate::error::Result;
+use crate::gpu_scene::GpuScene;
 use crate::gpu_scene::arrays::SceneArrays;
-use crate::scene::SceneDescription;
+use crate::gpu_scene::memory::{self, Cost};
 use crate::scene::lights::LightTable;
+use crate::scene::{AlphaMode, Material, Primitive, SceneDescription, Workflow, emission};
+use crate::vulkan::Device;
+use serde::Serialize;
 use shared::frame::features;
-use shared::light::kind;
+
+/// Everything that is said of a scene.
+#[derive(Debug, Serialize)]
+struct Info {
+    name: String,
+    triangles: usize,
+    meshes: usize,
+    instances: usize,
+    /// m
+    bounds_min: [f32; 3],
+    bounds_max: [f32; 3],
+    cameras: Vec<String>,
+    lights: usize,
+    /// lm
+    flux: f64,
+    features: Vec<String>,
+    memory: Vec<Cost>,
+    /// Bytes, on the device that a picture would be rendered on; none without one.
+    acceleration_structures: Option<u64>,
+    /// What the file has and a picture does not show, with the reasons.
+    left_out: Vec<String>,
+}
 
 pub fn run(args: &InfoArgs) -> Result<()> {
-    let scene = view::load_scene(&args.scene)?;
+    let scene = view::load(&args.scene)?;
     let lights = LightTable::new(&scene);
-    let arrays = SceneArrays::new(&scene, &lights)?;
-    print_geometry(&scene);
-    print_lights(&lights);
-    print_memory(&scene, &lights, &arrays);
+    let arrays = SceneArrays::new(&scene)?;
+    let bounds = scene.bounds();
+    let info = Info {
+        name: scene.name.clone(),
+        triangles: scene.triangle_count(),
+        meshes: scene.meshes.len(),
+        instances: scene.instances.len(),
+        bounds_min: bounds.min.into(),
+        bounds_max: bounds.max.into(),
+        cameras: scene.cameras.iter().map(|camera| camera.name.clone()).collect(),
+        lights: lights.lights.len(),
+        flux: lights.lights.iter().map(|light| f64::from(light.power)).sum(),
+        features: features(&scene, &arrays),
+        memory: memory::costs(&scene, &lights, &arrays),
+        acceleration_structures: acceleration_bytes(args, &scene),
+        left_out: scene.warnings.clone(),
+    };
+    if args.json {
+        // A tree of numbers and strings: it has a JSON form.
+        println!("{:#}", serde_json::to_value(&info).unwrap_or_default());
+    } else {
+        print(&info);
+    }
     Ok(())
 }
 
-fn print_geometry(scene: &SceneDescription) {
-    let bounds = scene.bounds();
-    let e = bounds.extent();
-    println!("{}", scene.name);
-    println!(
-        "  triangles   {} in {} instances of {} meshes",
-        scene.triangle_count(),
-        scene.instances.len(),
-        scene.meshes.len()
-    );
-    println!("  bounds      {:.3} x {:.3} x {:.3} m around {:.3}", e.x, e.y, e.z, bounds.center());
-    println!("  materials   {}, textures {}", scene.materials.len(), scene.textures.len());
-    let names: Vec<_> = scene.cameras.iter().map(|camera| camera.name.as_str()).collect();
-    println!(
-        "  cameras     {}",
-        if names.is_empty() { "none (one is fitted)".into() } else { names.join(", ") }
-    );
+/// Built to be measured; a machine without a device still tells all the rest.
+fn acceleration_bytes(args: &InfoArgs, scene: &SceneDescription) -> Option<u64> {
+    let device = Device::new(&args.device.options()).ok()?;
+    GpuScene::new(&device, scene).ok().map(|scene| scene.acceleration_bytes())
 }
 
-fn print_lights(lights: &LightTable) {
-    let of_kind = |k| lights.lights.iter().filter(|light| light.kind == k).count();
-    let flux: f64 = lights.lights.iter().map(|light| f64::from(light.power)).sum();
-    println!(
-        "  lights      {} points, {} spots, {} directional, {} triangles, {} of an environment, {flux:.1} lm",
-        of_kind(kind::POINT),
-        of_kind(kind::SPOT),
-        of_kind(kind::DIRECTIONAL),
-        of_kind(kind::TRIANGLE),
-        of_kind(kind::ENVIRONMENT)
-    );
+/// Whether a material has something.
+type Has<'a> = &'a dyn Fn(&Material) -> bool;
+
+/// What pipelines are specialised for, and what materials and meshes make use of.
+fn features(scene: &SceneDescription, arrays: &SceneArrays) -> Vec<String> {
+    let mut found = Vec::new();
+    for (bit, name) in [
+        (features::TEXTURES, "textures"),
+        (features::NORMAL_MAPS, "normal maps"),
+        (features::UV_MAPS, "texture transforms or a second uv set"),
+        (features::ENVIRONMENT, "an environment map"),
+    ] {
+        if arrays.features & bit != 0 {
+            found.push(name.to_owned());
+        }
+    }
+    let triangles = |has: Has| -> usize {
+        let counts = |p: &&Primitive| has(&scene.materials[p.material]);
+        let of_mesh = |mesh: usize| -> usize {
+            scene.meshes[mesh].primitives.iter().filter(counts).map(|p| p.indices.len() / 3).sum()
+        };
+        scene.instances.iter().map(|instance| of_mesh(instance.mesh)).sum()
+    };
+    let materials: [(&str, Has); 7] = [
+        ("masked, through any-hit shaders", &|m| matches!(m.alpha, AlphaMode::Mask { .. })),
+        ("blended, through any-hit shaders", &|m| m.alpha == AlphaMode::Blend),
+        ("double-sided", &|m| m.double_sided),
+        ("specular-glossiness", &|m| m.workflow == Workflow::SpecularGlossiness),
+        ("unlit", &|m| m.unlit),
+        ("emissive", &|m| m.emission != glam::Vec3::ZERO),
+        ("of them with an emissive texture", &emission::is_textured),
+    ];
+    for (name, has) in materials {
+        let count = triangles(has);
+        if count > 0 {
+            found.push(format!("{count} triangles {name}"));
+        }
+    }
+    let colored = |p: &Primitive| !p.colors.is_empty();
+    if scene.meshes.iter().any(|mesh| mesh.primitives.iter().any(colored)) {
+        found.push("vertex colors".into());
+    }
+    let mirrored = scene.instances.iter().filter(|i| i.transform.matrix3.determinant() < 0.0).count();
+    if mirrored > 0 {
+        found.push(format!("{mirrored} mirrored instances"));
+    }
+    found
 }
 
-fn print_memory(scene: &SceneDescription, lights: &LightTable, arrays: &SceneArrays) {
-    let mib = |bytes: usize| bytes as f64 / (1 << 20) as f64;
-    let vertices = size_of_val(&arrays.positions[..]) + size_of_val(&arrays.attributes[..]);
-    println!(
-        "  memory      vertices {:.1} MiB, indices {:.1} MiB",
-        mib(vertices),
-        mib(size_of_val(&arrays.indices[..]))
-    );
-    let table = size_of_val(&lights.lights[..]) + size_of_val(&lights.alias[..]);
-    let mut images: Vec<_> = scene.textures.iter().map(|t| std::sync::Arc::as_ptr(&t.image)).collect();
-    images.sort_unstable();
-    images.dedup();
-    println!("              lights and alias table {:.1} MiB, {} images", mib(table), images.len());
-    let on = |bit| if arrays.features & bit != 0 { "yes" } else { "no" };
-    println!(
-        "  features    textures: {}, normal maps: {}",
-        on(features::TEXTURES),
-        on(features::NORMAL_MAPS)
-    );
+fn print(info: &Info) {
+    let [min, max] = [info.bounds_min, info.bounds_max].map(glam::Vec3::from_array);
+    let (e, center) = (max - min, 0.5 * (min + max));
+    let cameras =
+        if info.cameras.is_empty() { "none (one is fitted)".to_owned() } else { info.cameras.join(", ") };
+    let (triangles, instances, meshes) = (info.triangles, info.instances, info.meshes);
+    println!("{}", info.name);
+    println!("  triangles   {triangles} in {instances} instances of {meshes} meshes");
+    println!("  bounds      {:.3} x {:.3} x {:.3} m around {center:.3}", e.x, e.y, e.z);
+    println!("  cameras     {cameras}");
+    println!("  lights      {}, {:.1} lm", info.lights, info.flux);
+    list("features", &info.features);
+    println!("  device memory");
+    for cost in &info.memory {
+        println!("    {:<22} {:>10}  {}", cost.feature, bytes(cost.bytes), cost.detail);
+    }
+    match info.acceleration_structures {
+        Some(size) => println!("    {:<22} {:>10}", "acceleration", bytes(size)),
+        None => println!("    {:<22} {:>10}  no device here to build them", "acceleration", "?"),
+    }
+    list("left out", &info.left_out);
+}
+
+fn list(name: &str, lines: &[String]) {
+    println!("  {name}{}", if lines.is_empty() { ": none" } else { "" });
+    for line in lines {
+        println!("    {line}");
+    }
+}
+
+fn bytes(n: u64) -> String {
+    match n {
+        0..1024 => format!("{n} B"),
+        1024..1_048_576 => format!("{:.1} KiB", n as f64 / 1024.0),
+        _ => format!("{:.1} MiB", n as f64 / 1_048_576.0),
+    }
 }

@@ -2,6 +2,8 @@
 
 pub mod args;
 mod compare;
+mod explain;
+mod export;
 mod fixtures;
 mod info;
 mod output;
@@ -28,6 +30,8 @@ pub fn run(cli: Cli) -> Result<()> {
         Command::Compare(args) => compare::run(&args),
         Command::Sweep(args) => sweep::run(&args),
         Command::Report(args) => report::run(&args),
+        Command::Export(args) => export::run(&args),
+        Command::Explain(args) => explain::run(&args),
         Command::Fixtures { directory } => fixtures::run(&directory),
     }
 }

@@ -17,6 +17,7 @@ pub fn run(args: &SweepArgs) -> Result<()> {
     if let Some(size) = args.size {
         plan.size = size.to_array();
     }
+    plan.warm_up = args.warm_up.unwrap_or(plan.warm_up);
     plan.frames = args.frames.unwrap_or(plan.frames);
     plan.replicas = args.replicas.unwrap_or(plan.replicas);
     if let (Some(ms), Some(accumulate)) = (args.accumulate, &mut plan.accumulate) {

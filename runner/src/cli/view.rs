@@ -3,17 +3,22 @@
 use super::args::{PictureArgs, SceneArgs, parse_view};
 use crate::error::{Error, Result};
 use crate::scene::animation::Thing;
-use crate::scene::{SceneCamera, SceneDescription, load};
+use crate::scene::{self, SceneCamera, SceneDescription};
 use glam::{UVec2, Vec3};
 use shared::camera::Camera;
 
 /// Loads the scene and says on standard error what it leaves out.
 pub fn load_scene(args: &SceneArgs) -> Result<SceneDescription> {
-    let scene = load(&args.source(), args.light_count(), args.environment_source().as_ref())?;
+    let scene = load(args)?;
     for warning in &scene.warnings {
         eprintln!("warning: {}: {warning}", scene.name);
     }
     Ok(scene)
+}
+
+/// As [`load_scene`], in silence.
+pub fn load(args: &SceneArgs) -> Result<SceneDescription> {
+    scene::load(&args.source(), args.light_count(), args.environment_source().as_ref())
 }
 
 /// Poses `scene` at the time that the command line asks for, if it does.

@@ -80,6 +80,14 @@ impl History {
         self.target(self.rotation.last_reservoirs())
     }
 
+    /// A frame seen by `camera` was recorded; the one after it starts from `next`.
+    pub(super) fn advance(&mut self, camera: Camera, next: Rotation, scene: u64) {
+        self.rotation = next;
+        self.index += 1;
+        self.previous_camera = Some(camera);
+        self.scene = scene;
+    }
+
     pub fn target(&self, id: BufferId) -> &Buffer {
         self.targets.get(id)
     }

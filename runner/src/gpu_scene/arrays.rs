@@ -1,11 +1,11 @@
 //! A scene as the flat arrays that the GPU reads; still plain CPU data.
 
 use crate::error::{Error, Result};
-use crate::scene::lights::LightTable;
 use crate::scene::{AlphaMode, Material, Mesh, Primitive, SceneDescription, Workflow};
 use glam::{Affine3A, Vec2, Vec3, Vec4};
 use shared::frame::features;
-use shared::geometry::{InstanceGeometry, NO_LIGHT, VertexAttributes, pack_tangent};
+use shared::geometry::{InstanceGeometry, VertexAttributes, pack_tangent};
+use shared::light::kind;
 use shared::material::{NO_TEXTURE, UvMap, flag};
 use shared::math::pack_direction;
 use std::ops::Range;
@@ -60,13 +60,13 @@ pub struct Placement {
 }
 
 impl SceneArrays {
-    pub fn new(scene: &SceneDescription, lights: &LightTable) -> Result<Self> {
+    pub fn new(scene: &SceneDescription) -> Result<Self> {
         let mut arrays = SceneArrays { features: features_of(scene), ..Default::default() };
         arrays.transforms = scene.instances.iter().map(|instance| instance.transform).collect();
         arrays.materials = scene.materials.iter().map(gpu_material).collect();
         let meshes =
             scene.meshes.iter().map(|mesh| arrays.add_mesh(scene, mesh)).collect::<Result<Vec<_>>>()?;
-        for (i, (instance, first_lights)) in scene.instances.iter().zip(&lights.first_light).enumerate() {
+        for (i, instance) in scene.instances.iter().enumerate() {
             for (part, primitives) in &meshes[instance.mesh] {
                 let custom_index = index32(arrays.instances.len())?;
                 arrays.placements.push(Placement { instance: i, part: *part, custom_index });
@@ -76,7 +76,6 @@ impl SceneArrays {
                         range.first_index,
                         range.first_vertex,
                         index32(scene.meshes[instance.mesh].primitives[p].material)?,
-                        first_lights[p].unwrap_or(NO_LIGHT),
                     ));
                 }
             }
@@ -102,26 +101,8 @@ impl SceneArrays {
     pub fn place(&mut self, i: usize, transform: Affine3A) {
         self.transforms[i] = transform;
         for geometry in self.geometries_of(i) {
-            let InstanceGeometry { first_index, first_vertex, material, first_light, .. } =
-                self.instances[geometry];
-            self.instances[geometry] =
-                InstanceGeometry::new(transform, first_index, first_vertex, material, first_light);
-        }
-    }
-
-    /// Takes the light indices of `lights`.
-    pub fn set_first_lights(&mut self, scene: &SceneDescription, lights: &LightTable) {
-        let mut next = 0;
-        for placement in &self.placements {
-            let mesh = &scene.meshes[scene.instances[placement.instance].mesh];
-            let double_sided = self.parts[placement.part].double_sided;
-            for (p, primitive) in mesh.primitives.iter().enumerate() {
-                if scene.materials[primitive.material].double_sided == double_sided {
-                    let first = lights.first_light[placement.instance][p];
-                    self.instances[next].first_light = first.unwrap_or(NO_LIGHT);
-                    next += 1;
-                }
-            }
+            let InstanceGeometry { first_index, first_vertex, material, .. } = self.instances[geometry];
+            self.instances[geometry] = InstanceGeometry::new(transform, first_index, first_vertex, material);
         }
     }
 
@@ -211,6 +192,15 @@ fn gpu_material(material: &Material) -> shared::material::Material {
 /// What the scene's pipelines are specialised for.
 fn features_of(scene: &SceneDescription) -> u32 {
     let mut bits = if scene.environment.is_some() { features::ENVIRONMENT } else { 0 };
+    for (kind, there) in [
+        (kind::POINT, !scene.point_lights.is_empty()),
+        (kind::SPOT, !scene.spot_lights.is_empty()),
+        (kind::DIRECTIONAL, !scene.directional_lights.is_empty()),
+        (kind::ENVIRONMENT, scene.environment.is_some()),
+        (kind::TRIANGLE, scene.materials.iter().any(|m| m.emission != Vec3::ZERO)),
+    ] {
+        bits |= if there { features::light_kind(kind) } else { 0 };
+    }
     for m in &scene.materials {
         for (_, map) in m.textures().iter().zip(&m.uv_maps).filter(|(texture, _)| texture.is_some()) {
             bits |= features::TEXTURES;

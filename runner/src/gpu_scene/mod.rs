@@ -1,6 +1,7 @@
 //! A scene on the device: buffers, textures, acceleration structures, and descriptor set 0 that shows them to shaders.
 
 pub mod arrays;
+pub mod memory;
 pub mod past;
 
 use crate::error::Result;
@@ -34,14 +35,14 @@ pub struct GpuScene {
     tlas: Tlas,
     past: Option<Past>,
     // Kept for the descriptors above.
-    _textures: Vec<Image>,
+    textures: Vec<Image>,
 }
 
 impl GpuScene {
     /// Uploads `scene` and builds its acceleration structures.
     pub fn new(device: &Device, scene: &SceneDescription) -> Result<Self> {
         let lights = LightTable::new(scene);
-        let arrays = SceneArrays::new(scene, &lights)?;
+        let arrays = SceneArrays::new(scene)?;
         let environment = scene.environment.as_ref().map_or(&[][..], |map| &map.radiance);
         let mut upload = Uploader::new(device);
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
@@ -85,7 +86,7 @@ impl GpuScene {
             blas,
             tlas,
             past: None,
-            _textures: textures,
+            textures,
         })
     }
 
@@ -107,10 +108,20 @@ impl GpuScene {
         self.features
     }
 
-    /// Device memory of geometry, lights and acceleration structures (without textures), bytes.
+    /// Device memory of all buffers, bytes; see [`memory`] for what they hold.
     pub fn bytes(&self) -> u64 {
         let buffers = self.buffers.values().map(Buffer::size).sum::<u64>();
         buffers + self.blas.bytes() + self.tlas.bytes() + self.past_bytes()
+    }
+
+    /// Device memory of the acceleration structures, bytes.
+    pub fn acceleration_bytes(&self) -> u64 {
+        self.blas.bytes() + self.tlas.bytes()
+    }
+
+    /// Images on the device, mip levels included.
+    pub fn image_count(&self) -> usize {
+        self.textures.len()
     }
 }
 
@@ -206,7 +217,7 @@ fn upload_textures(
                 images.len() - 1
             }
         };
-        views.push((images[index].view(), device.sampler(texture.wrap, texture.linear_filter)?));
+        views.push((images[index].view(), device.sampler(texture.wrap, texture.filter)?));
     }
     Ok((images, views))
 }

@@ -2,7 +2,7 @@
 //! stands still has none of it.
 
 use super::{GpuScene, tlas_instances};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::scene::SceneDescription;
 use crate::scene::animation::Pose;
 use crate::scene::lights::{LightEdits, LightTable, inverse_map, light_maps};
@@ -12,6 +12,7 @@ use crate::vulkan::{
 use ash::vk;
 use bytemuck::{Pod, Zeroable, cast_slice};
 use glam::Affine3A;
+use shared::frame::features;
 use shared::geometry::InstanceGeometry;
 use shared::interface::{past_binding, scene_binding};
 use shared::light::Light;
@@ -102,7 +103,11 @@ impl GpuScene {
         // Buffers go, and descriptors change.
         device.wait_idle()?;
         let table = LightTable::new(scene);
-        let [mut to_current, _] = light_maps(scene, &past.table, &table, edits);
+        if table.lights.iter().any(|light| self.features & features::light_kind(light.kind) == 0) {
+            let reason = "lights of a new kind: the scene has to be made anew with them";
+            return Err(Error::Usage(reason.into()));
+        }
+        let [mut to_current, _] = light_maps(&past.table, &table, edits);
         if past.now.lights_replaced {
             // The second time within a frame: the previous frame's lights stay where they are.
             let first: Vec<u32> = past.maps[0].read_vec()?;
@@ -110,7 +115,6 @@ impl GpuScene {
             to_current = first.iter().map(then).collect();
         }
         let to_previous = inverse_map(&to_current, table.lights.len());
-        self.arrays.set_first_lights(scene, &table);
         let mut upload = Uploader::new(device);
         let maps = [&to_current, &to_previous].map(|map| upload.buffer("light map", map, STORAGE));
         let lights = upload.buffer("lights", &table.lights, STORAGE)?;

@@ -1,7 +1,7 @@
-//! Environment maps from files: equirectangular .hdr or .exr (orientation: see `shared::environment`).
+//! Environment maps: equirectangular .hdr or .exr files (orientation: see `shared::environment`), and one of our own.
 
 use crate::error::{Error, Result};
-use glam::{DVec3, UVec2, Vec3};
+use glam::{DVec3, UVec2, Vec2, Vec3};
 use image::{ImageFormat, ImageReader};
 use std::f64::consts::PI;
 use std::io::Cursor;
@@ -15,6 +15,9 @@ pub struct Environment {
     pub radiance: Vec<Vec3>,
 }
 
+/// Names [`studio`] where a file's path could stand.
+pub const STUDIO: &str = "studio";
+
 /// Larger maps are filtered down to this: every texel is a light of its own.
 pub const MAX_SIZE: UVec2 = UVec2::new(1024, 512);
 
@@ -27,9 +30,13 @@ const LARGEST: f32 = 65504.0;
 /// nit; a thousand times the sun's disk, and far from the end of f32.
 const MAX_RADIANCE: f32 = 1e12;
 
-/// Reads the map in `path`, its values times `scale` as nit, filtered down to [`MAX_SIZE`]; and a warning if some were
-/// no radiance. Errors, one line each: a file that can't be read or decoded, or is no equirectangular map.
+/// Reads the map in `path` (or makes [`STUDIO`]), its values times `scale` as nit, filtered down to [`MAX_SIZE`]; and a
+/// warning if some were no radiance. Errors, one line each: a file that can't be read or decoded, or is no equirectangular
+/// map.
 pub fn load(path: &Path, scale: f32) -> Result<(Environment, Option<String>)> {
+    if path.as_os_str() == STUDIO {
+        return Ok((studio(scale), None));
+    }
     let bytes =
         std::fs::read(path).map_err(|source| Error::File { path: path.into(), action: "read", source })?;
     let broken = |reason: String| {
@@ -42,6 +49,35 @@ pub fn load(path: &Path, scale: f32) -> Result<(Environment, Option<String>)> {
         format!("{clamped} texels of the environment map are negative, infinite or no number, so are clamped")
     });
     Ok((filter(Environment { size, radiance }, MAX_SIZE), warning))
+}
+
+/// A photographer's studio for looking at models, gray: a bright ceiling that fades to a dark floor, a large soft key
+/// light from the left front (glTF models face +Z), a weaker fill from the right and a rim light from behind. `scale`
+/// makes nit of it; 1 means some 850 lx on a surface that faces the key light.
+pub fn studio(scale: f32) -> Environment {
+    /// Direction, half angle in degrees, nit.
+    const LAMPS: [(Vec3, f32, f32); 3] = [
+        (Vec3::new(-0.55, 0.55, 0.63), 32.0, 900.0),
+        (Vec3::new(0.85, 0.25, 0.46), 30.0, 250.0),
+        (Vec3::new(0.3, 0.8, -0.5), 24.0, 500.0),
+    ];
+    let size = UVec2::new(256, 128);
+    let smooth = |t: f32| {
+        let t = t.clamp(0.0, 1.0);
+        t * t * (3.0 - 2.0 * t)
+    };
+    let radiance = |i: u32| {
+        let place = (Vec2::new((i % size.x) as f32, (i / size.x) as f32) + 0.5) / size.as_vec2();
+        let (phi, theta) = ((place.x - 0.5) * std::f32::consts::TAU, place.y * std::f32::consts::PI);
+        let direction = shared::environment::direction(theta.cos(), phi);
+        let room = 30.0 + 120.0 * smooth(0.5 + 0.5 * direction.y);
+        let lamp = |(toward, half_angle, nit): (Vec3, f32, f32)| {
+            let angle = direction.dot(toward.normalize()).clamp(-1.0, 1.0).acos().to_degrees();
+            nit * smooth((half_angle - angle) / (0.5 * half_angle))
+        };
+        Vec3::splat((room + LAMPS.map(lamp).iter().sum::<f32>()) * scale)
+    };
+    Environment { size, radiance: (0..size.x * size.y).map(radiance).collect() }
 }
 
 fn decode(bytes: &[u8]) -> Result<(UVec2, Vec<Vec3>), String> {
@@ -152,6 +188,25 @@ mod tests {
         let radiance: Vec<Vec3> = (0..8).map(|i| Vec3::new(i as f32, 0.25, 1e5)).collect();
         image_io::write_exr(&path, UVec2::new(4, 2), &radiance).unwrap();
         assert_eq!(load(&path, 1.0).unwrap().0.radiance, radiance);
+    }
+
+    /// The strength that it says, by the sum over its texels; and the key light is where it says.
+    #[test]
+    fn the_studio_has_its_key_light() {
+        let (map, _) = load(Path::new(STUDIO), 1.0).unwrap();
+        let lights = |toward: Vec3| -> f32 {
+            let texel = |(i, l): (usize, &Vec3)| {
+                let (x, y) = (i as u32 % map.size.x, i as u32 / map.size.x);
+                let light = shared::light::Light::environment(UVec2::new(x, y), map.size, *l, 1.0);
+                let from = light.sample_li(Vec2::splat(0.5), Vec3::ZERO).direction;
+                l.x * from.dot(toward).max(0.0) * light.area
+            };
+            map.radiance.iter().enumerate().map(texel).sum()
+        };
+        let key = lights(Vec3::new(-0.55, 0.55, 0.63).normalize());
+        assert!((750.0..950.0).contains(&key), "{key} lx");
+        assert!(lights(Vec3::NEG_Y) < 0.5 * key && lights(Vec3::Z) > lights(Vec3::X));
+        assert_eq!(load(Path::new(STUDIO), 2.0).unwrap().0.radiance[100], 2.0 * map.radiance[100]);
     }
 
     #[test]

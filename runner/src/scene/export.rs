@@ -4,7 +4,8 @@
 
 use super::animation::{Curve, Interpolation, Local, Thing};
 use super::{
-    Image, Instance, Material, Mesh, PointLight, Primitive, SceneCamera, SceneDescription, Texture, Wrap,
+    Image, Instance, Material, Mesh, Mips, PointLight, Primitive, SceneCamera, SceneDescription, Texture,
+    Wrap,
 };
 use crate::error::{Error, Result};
 use glam::{DMat4, DVec3, Mat4, Vec3};
@@ -193,7 +194,15 @@ fn textures_json(textures: &[Texture], bin: &mut Binary) -> Result<(Vec<Value>, 
                 images.len() - 1
             }
         };
-        let (mag, min) = if texture.linear_filter { (9729, 9987) } else { (9728, 9728) };
+        let mag = if texture.filter.magnify_linear { 9729 } else { 9728 };
+        let min = match (texture.filter.minify_linear, texture.filter.mips) {
+            (false, Mips::None) => 9728,
+            (true, Mips::None) => 9729,
+            (false, Mips::Nearest) => 9984,
+            (true, Mips::Nearest) => 9985,
+            (false, Mips::Linear) => 9986,
+            (true, Mips::Linear) => 9987,
+        };
         let [s, t] = texture.wrap.map(wrap_code);
         let sampler = json!({ "magFilter": mag, "minFilter": min, "wrapS": s, "wrapT": t });
         let at = samplers.iter().position(|known| *known == sampler).unwrap_or_else(|| {

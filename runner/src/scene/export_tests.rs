@@ -1,6 +1,7 @@
 //! The oracle is the `gltf` crate: its validation and its reading of the bytes.
 
 use super::*;
+use crate::scene::Filter;
 use crate::scene::atrium::atrium;
 use glam::{Affine3A, Quat, Vec2, Vec4};
 
@@ -8,7 +9,12 @@ use glam::{Affine3A, Quat, Vec2, Vec4};
 fn small_scene() -> SceneDescription {
     let texels = vec![9, 8, 7, 255, 1, 2, 3, 4];
     let image = Arc::new(Image { name: "two texels".into(), width: 2, height: 1, texels });
-    let texture = |srgb, wrap| Texture { image: image.clone(), srgb, wrap, linear_filter: srgb };
+    let texture = |srgb, wrap| Texture {
+        image: image.clone(),
+        srgb,
+        wrap,
+        filter: if srgb { Filter::LINEAR } else { Filter::NEAREST },
+    };
     let primitive = Primitive {
         material: 0,
         positions: vec![Vec3::new(0.1, 0.2, 0.3), Vec3::new(1.5, 0.0, -2.0), Vec3::Y],

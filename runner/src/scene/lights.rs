@@ -1,53 +1,92 @@
 //! All lights of a scene as the GPU reads them, and lights to add to a scene that has too few.
 
 use super::animation::{Pose, Thing};
-use super::{DirectionalLight, Environment, Image, Instance, PointLight, Primitive, SceneDescription};
-use glam::{UVec2, Vec3};
+use super::emission::{Emission, Emitters, Part};
+use super::{DirectionalLight, Environment, Instance, PointLight, Primitive, SceneDescription};
+use glam::{UVec2, Vec2, Vec3};
 use shared::alias_table::AliasEntry;
-use shared::light::{self, DOUBLE_SIDED, Light, kind};
+use shared::light::{self, Light, kind};
 use shared::math::luminance;
 use shared::motion::NO_LIGHT;
 use shared::rng::{Rng, Stream};
-use std::collections::HashMap;
 use std::f32::consts::PI;
 use std::ops::Range;
-use std::sync::Arc;
 
 /// The lights of a scene, and the table that draws them by their power.
 #[derive(Clone, Debug, Default)]
 pub struct LightTable {
-    /// Point, spot, directional lights in their order, then the triangles of each emissive primitive of each instance,
-    /// then the lit texels of the environment map.
+    /// Point, spot, directional lights in their order, then those of each emissive primitive of each instance (one a
+    /// triangle, or its lit parts where its texture varies, see [`emission`](super::emission)), then the lit texels of
+    /// the environment map. Neither transforms nor strengths change the order.
     pub lights: Vec<Light>,
     /// Empty if no light has power.
     pub alias: Vec<AliasEntry>,
-    /// `[instance][primitive]`: the light of that primitive's first triangle, if its material emits. The lights of
-    /// its other triangles follow in their order, one each (those without an area have power 0).
-    pub first_light: Vec<Vec<Option<u32>>>,
+    /// `[instance][primitive]`: its lights.
+    pub of_primitives: Vec<Vec<Range<usize>>>,
+    /// How the emission of meshes is divided.
+    pub emitters: Emitters,
+    /// How many of the lights are parts of textured emitters.
+    pub textured: usize,
 }
 
 impl LightTable {
-    /// Emissive textures count with the average of their texels, so the light of each triangle is uniform.
     pub fn new(scene: &SceneDescription) -> Self {
-        let emission = emission_of_materials(scene);
+        Self::with_emitters(scene, Emitters::new(scene))
+    }
+
+    /// With the emission of `scene`'s meshes already divided: it stays the same while things only move.
+    pub fn with_emitters(scene: &SceneDescription, emitters: Emitters) -> Self {
         let mut lights = punctual_lights(scene);
-        let mut first_light = Vec::new();
+        let mut of_primitives = Vec::with_capacity(scene.instances.len());
+        let mut textured = 0;
         for instance in &scene.instances {
-            let first_of_primitive = |primitive: &Primitive| {
-                let radiance = emission[primitive.material];
-                (radiance != Vec3::ZERO).then(|| {
-                    let first = lights.len() as u32;
+            let primitives = scene.meshes[instance.mesh].primitives.iter().zip(&emitters.0[instance.mesh]);
+            let range = |(primitive, emission): (&Primitive, &Option<Emission>)| {
+                let first = lights.len();
+                if let Some(emission) = emission {
                     let double_sided = scene.materials[primitive.material].double_sided;
-                    lights.extend(triangle_lights(instance, primitive, radiance, double_sided));
-                    first
-                })
+                    lights.extend(emitter_lights(instance, primitive, emission, double_sided));
+                    textured += match emission {
+                        Emission::Even(_) => 0,
+                        Emission::Textured(parts) => parts.len(),
+                    };
+                }
+                first..lights.len()
             };
-            first_light.push(scene.meshes[instance.mesh].primitives.iter().map(first_of_primitive).collect());
+            of_primitives.push(primitives.map(range).collect());
         }
         lights.extend(environment_lights(scene));
         let alias = light::build_alias_table(&lights);
-        LightTable { lights, alias, first_light }
+        LightTable { lights, alias, of_primitives, emitters, textured }
     }
+}
+
+/// The lights of one emissive primitive of one instance.
+fn emitter_lights(
+    instance: &Instance,
+    primitive: &Primitive,
+    emission: &Emission,
+    double_sided: bool,
+) -> Vec<Light> {
+    match emission {
+        Emission::Even(radiance) => triangle_lights(instance, primitive, *radiance, double_sided).collect(),
+        Emission::Textured(parts) => {
+            parts.iter().map(|part| part_light(instance, primitive, part, double_sided)).collect()
+        }
+    }
+}
+
+/// Does the scene bring light of its own?
+pub fn is_lit(scene: &SceneDescription) -> bool {
+    let shines = |light: &Light| light.power > 0.0;
+    let emits = |instance: &Instance| {
+        let mut primitives = scene.meshes[instance.mesh].primitives.iter();
+        primitives.any(|primitive| scene.materials[primitive.material].emission != Vec3::ZERO)
+    };
+    punctual_lights(scene).iter().any(shines)
+        || environment_lights(scene).iter().any(shines)
+        // Textures may be black.
+        || scene.instances.iter().any(emits) && LightTable::new(scene).lights.iter().any(shines)
 }
 
 /// Which of the former lights is which, by index in the scene's lists; `None` for one that is gone. A list that is not given
@@ -86,18 +125,17 @@ impl LightTable {
                     changed.push(self.set(at, Light::directional(l.direction, l.illuminance, radius)));
                 }
                 Thing::Instance(i) => {
-                    for (p, first) in self.first_light[i].clone().into_iter().enumerate() {
-                        let Some(first) = first.map(|first| first as usize) else { continue };
-                        let instance = &scene.instances[i];
-                        let primitive = &scene.meshes[instance.mesh].primitives[p];
-                        let Light { emission, flags, .. } = self.lights[first];
-                        let double_sided = flags & DOUBLE_SIDED != 0;
-                        let mut end = first;
-                        for light in triangle_lights(instance, primitive, emission, double_sided) {
-                            self.set(end, light);
-                            end += 1;
+                    let instance = &scene.instances[i];
+                    let primitives = &scene.meshes[instance.mesh].primitives;
+                    for (p, primitive) in primitives.iter().enumerate() {
+                        let Some(emission) = &self.emitters.0[instance.mesh][p] else { continue };
+                        let double_sided = scene.materials[primitive.material].double_sided;
+                        let range = self.of_primitives[i][p].clone();
+                        let moved = emitter_lights(instance, primitive, emission, double_sided);
+                        for (at, light) in range.clone().zip(moved) {
+                            self.set(at, light);
                         }
-                        changed.push(first..end);
+                        changed.push(range);
                     }
                 }
                 Thing::Camera(_) => {}
@@ -135,7 +173,6 @@ fn power_of(light: &Light) -> f32 {
 /// For each light of `before` its index in `now`, and the inverse; [`NO_LIGHT`] for those that only one of them has. Triangles
 /// belong together by instance, primitive and their place in it; texels of the environment by their order.
 pub fn light_maps(
-    scene: &SceneDescription,
     before: &LightTable,
     now: &LightTable,
     edits: &LightEdits,
@@ -161,13 +198,8 @@ pub fn light_maps(
         }
         (from, to) = (from + old, to + new);
     }
-    for (i, instance) in scene.instances.iter().enumerate() {
-        for (p, primitive) in scene.meshes[instance.mesh].primitives.iter().enumerate() {
-            let count = primitive.indices.len() / 3;
-            if let (Some(old), Some(new)) = (before.first_light[i][p], now.first_light[i][p]) {
-                join(old as usize, new as usize, count);
-            }
-        }
+    for (old, new) in before.of_primitives.iter().flatten().zip(now.of_primitives.iter().flatten()) {
+        join(old.start, new.start, old.len().min(new.len()));
     }
     let [old, new] = [before, now]
         .map(|table| table.lights.iter().rev().take_while(|l| l.kind == kind::ENVIRONMENT).count());
@@ -219,54 +251,32 @@ fn triangle_lights(
     radiance: Vec3,
     double_sided: bool,
 ) -> impl Iterator<Item = Light> {
-    let mirrored = instance.transform.matrix3.determinant() < 0.0;
     primitive.indices.chunks_exact(3).map(move |t| {
-        let [a, b, c] =
-            [t[0], t[1], t[2]].map(|i| instance.transform.transform_point3(primitive.positions[i as usize]));
-        // A mirror turns the winding, but the outside stays outside.
-        let vertices = if mirrored { [a, c, b] } else { [a, b, c] };
+        let vertices = wound(instance, corners(instance, primitive, t));
         Light::triangle(vertices, radiance, double_sided)
     })
 }
 
-/// Radiance of each material, nit: factor x average of the texture.
-fn emission_of_materials(scene: &SceneDescription) -> Vec<Vec3> {
-    let mut averages: HashMap<(*const Image, bool), Vec3> = HashMap::new();
-    let mut emission = Vec::new();
-    for material in &scene.materials {
-        let texture = material.emissive_texture.map(|index| &scene.textures[index]);
-        emission.push(match texture {
-            Some(texture) if material.emission != Vec3::ZERO => {
-                let key = (Arc::as_ptr(&texture.image), texture.srgb);
-                material.emission
-                    * *averages.entry(key).or_insert_with(|| average(&texture.image, texture.srgb))
-            }
-            _ => material.emission,
-        });
-    }
-    emission
+/// The light of a part: its edges are shares of the triangle's, so that no area is lost where coordinates are coarse.
+fn part_light(instance: &Instance, primitive: &Primitive, part: &Part, double_sided: bool) -> Light {
+    let t = &primitive.indices[3 * part.triangle as usize..][..3];
+    let [a, b, c] = corners(instance, primitive, t).map(Vec3::as_dvec3);
+    let along = |weights: Vec2| f64::from(weights.x) * (b - a) + f64::from(weights.y) * (c - a);
+    let [first, second, third] = wound(instance, part.corners);
+    let position = (a + along(first)).as_vec3();
+    let edges = [second - first, third - first].map(along);
+    Light::triangle_between(position, edges, part.radiance, double_sided)
 }
 
-/// Mean linear RGB of all texels.
-fn average(image: &Image, srgb: bool) -> Vec3 {
-    let mut counts = [[0u64; 256]; 3];
-    for texel in image.texels.chunks_exact(4) {
-        for (counts, &value) in counts.iter_mut().zip(texel) {
-            counts[usize::from(value)] += 1;
-        }
-    }
-    let decode = |value: usize| {
-        let encoded = value as f64 / 255.0;
-        if srgb { srgb_to_linear(encoded) } else { encoded }
-    };
-    let texels = (image.texels.len() / 4).max(1) as f64;
-    let mean = counts.map(|counts| (0..256).map(|v| counts[v] as f64 * decode(v)).sum::<f64>() / texels);
-    Vec3::from(mean.map(|x| x as f32))
+/// World space, m.
+fn corners(instance: &Instance, primitive: &Primitive, triangle: &[u32]) -> [Vec3; 3] {
+    [triangle[0], triangle[1], triangle[2]]
+        .map(|i| instance.transform.transform_point3(primitive.positions[i as usize]))
 }
 
-/// IEC 61966-2-1.
-fn srgb_to_linear(encoded: f64) -> f64 {
-    if encoded <= 0.04045 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
+/// Corners in the order that faces outward: a mirror turns the winding, but the outside stays outside.
+fn wound<T>(instance: &Instance, [a, b, c]: [T; 3]) -> [T; 3] {
+    if instance.transform.matrix3.determinant() < 0.0 { [a, c, b] } else { [a, b, c] }
 }
 
 /// Mean illuminance that [`scatter`] aims at, lx: a well-lit office.
@@ -307,9 +317,10 @@ fn moderate_color(hue: f32) -> Vec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Material, Mesh, Texture, Wrap};
-    use glam::{Affine3A, Vec2};
+    use crate::scene::{Filter, Image, Material, Mesh, Texture, Wrap};
+    use glam::Affine3A;
     use shared::light::kind;
+    use std::sync::Arc;
 
     /// A box of 2 x 4 x 6 m by its diagonal triangle, and one light triangle of 2 m² in the xy plane that faces +z.
     fn scene() -> SceneDescription {
@@ -349,8 +360,6 @@ mod tests {
         assert_eq!(table.lights.len(), 1 + 2 * 2 * 3);
         assert_eq!(table.lights[0].kind, kind::POINT);
         assert!(table.lights[1..].iter().all(|light| light.kind == kind::TRIANGLE));
-        let expected = [vec![None], vec![None, Some(1), Some(4)], vec![None, Some(7), Some(10)]];
-        assert_eq!(table.first_light, expected);
     }
 
     #[test]
@@ -389,22 +398,51 @@ mod tests {
         }
     }
 
+    /// A texture that is bright to the left and dark to the right, on a triangle, far from the origin and mirrored: the
+    /// lights cover its left part, face outward, and have the whole of its power.
     #[test]
-    fn textures_count_with_their_average() {
+    fn textured_lights_are_where_the_texture_is_bright() {
         let mut scene = scene();
-        // Half white, half sRGB 188: 0.5029 linear (IEC 61966-2-1).
-        let texels = [[255; 4], [188, 188, 188, 0]].concat();
+        let texels = [[255; 4], [0; 4]].concat();
         let image = Arc::new(Image { name: String::new(), width: 2, height: 1, texels });
-        scene.textures = vec![Texture { image, srgb: true, wrap: [Wrap::Repeat; 2], linear_filter: true }];
+        scene.textures =
+            vec![Texture { image, srgb: true, wrap: [Wrap::Repeat; 2], filter: Filter::NEAREST }];
         scene.materials[1].emissive_texture = Some(0);
-        let average = LightTable::new(&scene).lights[1].emission;
-        assert!(
-            (average / Vec3::new(1.0, 2.0, 3.0) - Vec3::splat(0.75144)).abs().max_element() < 1e-4,
-            "{average}"
-        );
-        scene.textures[0].srgb = false;
-        let average = LightTable::new(&scene).lights[1].emission.x;
-        assert!((average - (255.0 + 188.0) / 510.0).abs() < 1e-6);
+        let glow = &mut scene.meshes[1].primitives[1];
+        // u grows along x: bright from 0 to 1 m of 2.
+        glow.uvs = glow.positions.iter().map(|p| Vec2::new(p.x / 2.0, p.y / 2.0)).collect();
+        glow.indices.truncate(3);
+        scene.meshes[1].primitives.truncate(2);
+        let place = Vec3::new(4096.0, -2000.0, 1000.0);
+        for mirror in [1.0, -1.0] {
+            let scale = Affine3A::from_scale(Vec3::new(mirror, 1.0, 1.0));
+            scene.instances = vec![Instance {
+                name: String::new(),
+                mesh: 1,
+                transform: Affine3A::from_translation(place) * scale,
+            }];
+            let lights = LightTable::new(&scene).lights[1..].to_vec();
+            // Of 2 m², 1.5 m² lie at x < 1.
+            let power: f64 = lights.iter().map(|light| f64::from(light.power)).sum();
+            let exact = std::f64::consts::PI * 1.5 * f64::from(luminance(Vec3::new(1.0, 2.0, 3.0)));
+            assert!((power / exact - 1.0).abs() < 1e-5, "{power} instead of {exact} lm");
+            for light in &lights {
+                let middle = light.position + (light.edge1 + light.edge2) / 3.0 - place;
+                assert!((0.0..1.0).contains(&(mirror * middle.x)), "{middle}");
+                assert!(light.edge1.cross(light.edge2).z > 0.0, "it faces +z");
+            }
+        }
+    }
+
+    #[test]
+    fn black_textures_are_no_light() {
+        let mut scene = scene();
+        scene.point_lights.clear();
+        assert!(is_lit(&scene));
+        let image = Arc::new(Image { name: String::new(), width: 1, height: 1, texels: vec![0, 0, 0, 255] });
+        scene.textures = vec![Texture { image, srgb: true, wrap: [Wrap::Repeat; 2], filter: Filter::LINEAR }];
+        scene.materials[1].emissive_texture = Some(0);
+        assert!(!is_lit(&scene) && LightTable::new(&scene).lights.is_empty());
     }
 
     /// A table that follows a pose is the table made anew; only what grows draws more often.
@@ -441,25 +479,24 @@ mod tests {
         let [old, new] = [&before, &now].map(LightTable::new);
         let none = NO_LIGHT;
         // In their order: the first stays the first; triangles move two places up.
-        let [to_now, back] = light_maps(&now, &old, &new, &LightEdits::default());
+        let [to_now, back] = light_maps(&old, &new, &LightEdits::default());
         assert_eq!(to_now[..3], [0, 3, 4]);
         assert_eq!(back[..4], [0, none, none, 1]);
         assert_eq!((to_now.len(), back.len()), (13, 15));
         // As said: the only one is the last one now.
         let edits = LightEdits { points: Some(vec![Some(2)]), ..LightEdits::default() };
-        let [to_now, back] = light_maps(&now, &old, &new, &edits);
+        let [to_now, back] = light_maps(&old, &new, &edits);
         assert_eq!((&to_now[..2], &back[..4]), (&[2, 3][..], &[none, none, 0, 1][..]));
         // Gone; and a place that does not exist.
         for place in [None, Some(9)] {
             let edits = LightEdits { points: Some(vec![place]), ..LightEdits::default() };
-            assert_eq!(light_maps(&now, &old, &new, &edits)[0][..2], [none, 3]);
+            assert_eq!(light_maps(&old, &new, &edits)[0][..2], [none, 3]);
         }
         // Emission that went out: its triangles are gone, the others keep their pairs.
         let [map, _] = light_maps(
-            &before,
             &old,
             &LightTable {
-                first_light: vec![vec![None], vec![None, None, Some(1)], vec![None, Some(4), Some(7)]],
+                of_primitives: vec![vec![0..0], vec![0..0, 0..0, 1..4], vec![0..0, 4..7, 7..10]],
                 ..new.clone()
             },
             &LightEdits::default(),
@@ -470,7 +507,7 @@ mod tests {
     #[test]
     fn a_dark_scene_has_no_lights() {
         let table = LightTable::new(&SceneDescription::default());
-        assert!(table.lights.is_empty() && table.alias.is_empty() && table.first_light.is_empty());
+        assert!(table.lights.is_empty() && table.alias.is_empty());
     }
 
     #[test]

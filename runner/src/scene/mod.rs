@@ -3,10 +3,12 @@
 pub mod animation;
 pub mod atrium;
 pub mod camera;
+pub mod emission;
 pub mod environment;
 pub mod export;
 pub mod fixtures;
 pub mod gltf;
+pub mod interchange;
 pub mod knot;
 pub mod lights;
 pub mod shapes;
@@ -130,8 +132,31 @@ pub struct Texture {
     /// The texels are sRGB-encoded color (else linear data).
     pub srgb: bool,
     pub wrap: [Wrap; 2],
-    /// Magnification by interpolation (else nearest).
-    pub linear_filter: bool,
+    pub filter: Filter,
+}
+
+/// How texels and mip levels become a value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Filter {
+    /// Interpolates between texels that are larger than pixels (else the nearest one counts).
+    pub magnify_linear: bool,
+    /// The same for smaller ones.
+    pub minify_linear: bool,
+    pub mips: Mips,
+}
+
+/// Which mip levels are read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Mips {
+    /// The finest alone.
+    None,
+    Nearest,
+    Linear,
+}
+
+impl Filter {
+    pub const LINEAR: Filter = Filter { magnify_linear: true, minify_linear: true, mips: Mips::Linear };
+    pub const NEAREST: Filter = Filter { magnify_linear: false, minify_linear: false, mips: Mips::Nearest };
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

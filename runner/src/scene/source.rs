@@ -1,6 +1,6 @@
 //! From what the command line names to a scene with lights.
 
-use super::lights::{LightTable, scatter};
+use super::lights::{is_lit, scatter};
 use super::{SceneDescription, SceneSource, atrium, environment, gltf, knot};
 use crate::error::Result;
 use std::path::{Path, PathBuf};
@@ -43,7 +43,7 @@ pub fn load(
         let (map, warning) = environment::load(&source.path, source.scale)?;
         scene.environment = Some(map);
         scene.warnings.extend(warning);
-    } else if LightTable::new(&scene).alias.is_empty() {
+    } else if !is_lit(&scene) {
         scatter(&mut scene, light_count, SCATTER_SEED);
     }
     Ok(scene)

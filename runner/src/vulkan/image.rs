@@ -4,7 +4,7 @@ use super::Check;
 use super::commands::Scope;
 use super::device::{Device, creation_error};
 use crate::error::{Error, Result};
-use crate::scene::Wrap;
+use crate::scene::{Filter, Mips, Wrap};
 use ash::vk;
 use gpu_allocator::MemoryLocation;
 use gpu_allocator::vulkan::Allocation;
@@ -235,33 +235,36 @@ impl Drop for Image {
     }
 }
 
-/// Wrap in u and v, and whether texels and levels are interpolated.
-pub(super) type SamplerKey = ([Wrap; 2], bool);
+/// Wrap in u and v, and how texels and levels are read.
+pub(super) type SamplerKey = ([Wrap; 2], Filter);
 
 impl Device {
     /// The sampler for these settings, made once; it lives as long as the device.
-    pub fn sampler(&self, wrap: [Wrap; 2], linear: bool) -> Result<vk::Sampler> {
+    pub fn sampler(&self, wrap: [Wrap; 2], filter: Filter) -> Result<vk::Sampler> {
         let mut samplers = self.samplers();
-        if let Some(sampler) = samplers.get(&(wrap, linear)) {
+        if let Some(sampler) = samplers.get(&(wrap, filter)) {
             return Ok(*sampler);
         }
-        let (filter, mip_filter) = match linear {
-            true => (vk::Filter::LINEAR, vk::SamplerMipmapMode::LINEAR),
-            false => (vk::Filter::NEAREST, vk::SamplerMipmapMode::NEAREST),
+        let texels = |linear: bool| if linear { vk::Filter::LINEAR } else { vk::Filter::NEAREST };
+        let (mip_filter, max_lod) = match filter.mips {
+            // Above level 0 (which chooses between the filters) by less than half a level: Vulkan 1.2, VkSamplerCreateInfo.
+            Mips::None => (vk::SamplerMipmapMode::NEAREST, 0.25),
+            Mips::Nearest => (vk::SamplerMipmapMode::NEAREST, vk::LOD_CLAMP_NONE),
+            Mips::Linear => (vk::SamplerMipmapMode::LINEAR, vk::LOD_CLAMP_NONE),
         };
-        let anisotropy = self.limits().max_anisotropy;
+        let anisotropy = if filter == Filter::LINEAR { self.limits().max_anisotropy } else { 1.0 };
         let info = vk::SamplerCreateInfo::default()
-            .mag_filter(filter)
-            .min_filter(filter)
+            .mag_filter(texels(filter.magnify_linear))
+            .min_filter(texels(filter.minify_linear))
             .mipmap_mode(mip_filter)
             .address_mode_u(address_mode(wrap[0]))
             .address_mode_v(address_mode(wrap[1]))
-            .anisotropy_enable(linear && anisotropy > 1.0)
+            .anisotropy_enable(anisotropy > 1.0)
             .max_anisotropy(anisotropy)
-            .max_lod(vk::LOD_CLAMP_NONE);
+            .max_lod(max_lod);
         // SAFETY: a valid create info; the device destroys it.
         let sampler = unsafe { self.create_sampler(&info, None) }.check("create sampler")?;
-        samplers.insert((wrap, linear), sampler);
+        samplers.insert((wrap, filter), sampler);
         Ok(sampler)
     }
 }

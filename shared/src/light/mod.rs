@@ -1,5 +1,7 @@
 //! Lights: one `Light` for every kind, in world space and photometric units, as the GPU reads it.
 
+#[cfg(test)]
+mod sampling_tests;
 mod table;
 #[cfg(test)]
 mod tests;
@@ -10,6 +12,7 @@ pub use table::build_alias_table;
 pub use table::{LightSample, LightTable, Lights};
 
 use crate::environment;
+use crate::frame::features;
 #[cfg(not(target_arch = "spirv"))]
 use crate::math::luminance;
 use crate::math::{cross, normalize_or, safe_ratio};
@@ -19,8 +22,10 @@ use bytemuck::{Pod, Zeroable};
 #[cfg(not(target_arch = "spirv"))]
 use core::f32::consts::PI;
 #[cfg(not(target_arch = "spirv"))]
-use glam::UVec2;
+use glam::{DVec3, UVec2};
 use glam::{Vec2, Vec3};
+#[cfg(target_arch = "spirv")]
+use spirv_std::num_traits::Float;
 
 /// `Light::kind`.
 pub mod kind {
@@ -95,15 +100,18 @@ impl Light {
     /// An emissive triangle. Vertices in m, counter-clockwise seen from the side that emits; `radiance` in nit.
     pub fn triangle(vertices: [Vec3; 3], radiance: Vec3, double_sided: bool) -> Self {
         let [a, b, c] = vertices;
-        let (edge1, edge2) = (b - a, c - a);
-        let area = 0.5 * edge1.as_dvec3().cross(edge2.as_dvec3()).length();
+        Self::triangle_between(a, [b - a, c - a].map(Vec3::as_dvec3), radiance, double_sided)
+    }
+
+    /// As [`Light::triangle`], by its first vertex and the edges from there to the second and third, m.
+    pub fn triangle_between(first: Vec3, edges: [DVec3; 2], radiance: Vec3, double_sided: bool) -> Self {
         Light {
-            position: a,
+            position: first,
             kind: kind::TRIANGLE,
-            edge1,
+            edge1: edges[0].as_vec3(),
             flags: if double_sided { DOUBLE_SIDED } else { 0 },
-            edge2,
-            area: area as f32,
+            edge2: edges[1].as_vec3(),
+            area: (0.5 * edges[0].cross(edges[1]).length()) as f32,
             emission: radiance,
             power: 0.0,
         }
@@ -180,6 +188,11 @@ impl Light {
 }
 
 impl Light {
+    /// Has it more than one point to sample?
+    pub fn has_extent(&self) -> bool {
+        self.kind == kind::TRIANGLE || self.kind == kind::ENVIRONMENT
+    }
+
     /// Density of a sample on this light in the light's own measure: 1/area, 1/solid angle, or 1 for a delta light.
     pub fn pdf_li(&self) -> SourcePdf {
         match self.kind {
@@ -192,23 +205,32 @@ impl Light {
     /// The point `square` of this light as seen from `receiver` (world space, m). A light at the receiver itself, or one
     /// seen from behind or edge-on, gives no irradiance; nothing here is ever NaN or infinite for finite input.
     pub fn sample_li(&self, square: Vec2, receiver: Vec3) -> Incident {
-        match self.kind {
-            kind::TRIANGLE => self.sample_triangle(square, receiver),
-            kind::DIRECTIONAL => from_infinity(self.edge1, self.edge2.x, receiver, self.emission),
-            kind::ENVIRONMENT => {
-                let cos_theta = self.edge1.y + square.y * self.edge2.z;
-                let direction = environment::direction(cos_theta, self.edge1.x + square.x * self.edge2.y);
-                from_infinity(direction, self.edge2.x, receiver, self.emission)
-            }
-            kind::SPOT => {
-                let incident = from_point(self.position, receiver, self.emission);
-                Incident {
-                    irradiance: incident.irradiance * self.attenuation(incident.direction),
-                    ..incident
-                }
-            }
-            _ => from_point(self.position, receiver, self.emission),
+        self.sample_li_among(u32::MAX, square, receiver)
+    }
+
+    /// The same where `features` (as in [`Lights`]) says which kinds there are: one test for each.
+    pub fn sample_li_among(&self, features: u32, square: Vec2, receiver: Vec3) -> Incident {
+        if self.is_a(kind::TRIANGLE, features) {
+            return self.sample_triangle(square, receiver);
         }
+        if self.is_a(kind::DIRECTIONAL, features) {
+            return from_infinity(self.edge1, self.edge2.x, receiver, self.emission);
+        }
+        if self.is_a(kind::ENVIRONMENT, features) {
+            let cos_theta = self.edge1.y + square.y * self.edge2.z;
+            let direction = environment::direction(cos_theta, self.edge1.x + square.x * self.edge2.y);
+            return from_infinity(direction, self.edge2.x, receiver, self.emission);
+        }
+        let incident = from_point(self.position, receiver, self.emission);
+        if self.is_a(kind::SPOT, features) {
+            let irradiance = incident.irradiance * self.attenuation(incident.direction);
+            return Incident { irradiance, ..incident };
+        }
+        incident
+    }
+
+    fn is_a(&self, kind: u32, features: u32) -> bool {
+        is_kind(self.kind, kind, features)
     }
 
     /// Fraction of a spot's intensity that leaves it against `direction` (unit, to the spot).
@@ -222,9 +244,8 @@ impl Light {
         let b = square_to_triangle(square);
         let position = self.position + b.x * self.edge1 + b.y * self.edge2;
         let mut normal = normalize_or(cross(self.edge1, self.edge2), Vec3::ZERO);
-        let to_light = position - receiver;
-        let direction = normalize_or(to_light, Vec3::ZERO);
-        let distance = to_light.dot(direction);
+        let ray = Segment::new(receiver, position);
+        let Segment { direction, distance, .. } = ray;
         if self.flags & DOUBLE_SIDED != 0 && normal.dot(direction) > 0.0 {
             normal = -normal;
         }
@@ -235,17 +256,21 @@ impl Light {
             magnitude: self.position.abs().max(self.edge1.abs()).max(self.edge2.abs()).max_element(),
             direction,
             distance,
-            irradiance: fall_off(self.emission, cos_light, distance),
+            irradiance: fall_off(self.emission, cos_light, &ray),
         }
     }
 }
 
+/// Is a light of kind `this` of kind `that`, in a scene with these [`features`]?
+fn is_kind(this: u32, that: u32, features: u32) -> bool {
+    features & features::light_kind(that) != 0 && this == that
+}
+
 /// Light of `intensity` (cd) from a point.
 fn from_point(position: Vec3, receiver: Vec3, intensity: Vec3) -> Incident {
-    let to_light = position - receiver;
-    let direction = normalize_or(to_light, Vec3::ZERO);
-    let distance = to_light.dot(direction);
-    let irradiance = fall_off(intensity, 1.0, distance);
+    let ray = Segment::new(receiver, position);
+    let irradiance = fall_off(intensity, 1.0, &ray);
+    let Segment { direction, distance, .. } = ray;
     Incident { position, normal: Vec3::ZERO, magnitude: 0.0, direction, distance, irradiance }
 }
 
@@ -256,10 +281,28 @@ fn from_infinity(direction: Vec3, radius: f32, receiver: Vec3, irradiance: Vec3)
     Incident { position, normal: Vec3::ZERO, magnitude: 0.0, direction, distance, irradiance }
 }
 
+/// From a receiver to a point.
+struct Segment {
+    /// Unit; 0 between equal points.
+    direction: Vec3,
+    /// m
+    distance: f32,
+    /// 1/d², 1/m²; 0 between equal points.
+    inverse_square: f32,
+}
+
+impl Segment {
+    /// Points nearer than 1e-15 m count as equal: d² has to be a normal number.
+    fn new(from: Vec3, to: Vec3) -> Self {
+        let v = to - from;
+        let square = v.length_squared();
+        let inverse = if square > 1e-30 { 1.0 / square.sqrt() } else { 0.0 };
+        Segment { direction: v * inverse, distance: square * inverse, inverse_square: inverse * inverse }
+    }
+}
+
 /// emission cosθ' / d². Components that overflow become the largest number: one absurdly near light must not make a NaN
 /// pixel.
-fn fall_off(emission: Vec3, cos_light: f32, distance: f32) -> Vec3 {
-    // Two divisions, as d² may under- or overflow where the quotient does not.
-    let geometry = safe_ratio(safe_ratio(cos_light, distance), distance);
-    (emission * geometry).min(Vec3::splat(1e30))
+fn fall_off(emission: Vec3, cos_light: f32, ray: &Segment) -> Vec3 {
+    (emission * (cos_light * ray.inverse_square)).min(Vec3::splat(1e30))
 }

@@ -2,6 +2,7 @@
 
 use super::{Incident, Light};
 use crate::pdf::SourcePdf;
+use crate::reservoir::StoredReservoir;
 use crate::{alias_table, alias_table::AliasEntry};
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3};
@@ -28,6 +29,8 @@ impl LightSample {
 #[derive(Clone, Copy)]
 pub struct Lights<'a> {
     pub lights: &'a [Light],
+    /// [`crate::frame::features`]: kinds of light that it does not name are not there, and cost nothing.
+    pub features: u32,
 }
 
 /// The lights and the table that draws them in proportion to their power.
@@ -47,7 +50,12 @@ impl<'a> Lights<'a> {
         if sample.light >= self.count() {
             return Incident::default();
         }
-        self.lights[sample.light as usize].sample_li(sample.square(), receiver)
+        self.lights[sample.light as usize].sample_li_among(self.features, sample.square(), receiver)
+    }
+
+    /// Has `light` more than one point to sample?
+    fn has_extent(self, light: u32) -> bool {
+        light < self.count() && self.lights[light as usize].has_extent()
     }
 
     /// Density of a sample on `light` in the light's own measure; 0 for no light.
@@ -64,6 +72,13 @@ impl<'a> LightTable<'a> {
         (sample, pmf.and_on_light(self.lights.pdf_li(light)))
     }
 
+    /// The same reservoir; samples of a light without extent become one and the same, so that who reuses them can tell.
+    pub fn canonical(self, reservoir: StoredReservoir) -> StoredReservoir {
+        let LightSample { light, uv } = reservoir.sample;
+        let uv = if self.lights.has_extent(light) { uv } else { 0 };
+        StoredReservoir { sample: LightSample { light, uv }, ..reservoir }
+    }
+
     /// `sample` as seen from `receiver`; dark for a sample of no light.
     pub fn incident(self, sample: LightSample, receiver: Vec3) -> Incident {
         self.lights.incident(sample, receiver)
@@ -74,7 +89,7 @@ impl<'a> LightTable<'a> {
 impl<'a> Lights<'a> {
     /// Lights without emissive textures.
     pub fn untextured(lights: &'a [Light]) -> Self {
-        Lights { lights }
+        Lights { lights, features: u32::MAX }
     }
 }
 

@@ -6,7 +6,7 @@
 //! resampling stays unbiased. Packing touches only the target that candidates compete with, never the light they bring:
 //! later passes and the contribution weight's integrand read the light itself.
 
-use super::{DOUBLE_SIDED, Incident, LightSample, LightTable, from_point, kind};
+use super::{DOUBLE_SIDED, Incident, LightSample, LightTable, from_point, is_kind, kind};
 use crate::environment;
 use crate::frame::FrameConstants;
 use crate::math::{cross, pack_direction, unpack_direction};
@@ -85,7 +85,7 @@ impl TileEntry {
                 light.edge1.x + square.x * light.edge2.y,
             ),
             // The point does not depend on who looks.
-            _ => light.sample_li(square, light.position).position,
+            _ => light.sample_li_among(lights.lights.features, square, light.position).position,
         };
         let e = light.emission;
         TileEntry {
@@ -114,23 +114,24 @@ impl TileEntry {
             decode(self.red_green >> 16),
             decode(self.blue_kind & 0xffff),
         );
-        let kind = self.blue_kind >> 16 & 15;
-        match kind {
-            kind::SPOT => lights.incident(LightSample { light: self.light, uv: 0 }, receiver),
-            kind::DIRECTIONAL | kind::ENVIRONMENT => {
-                Incident { direction: self.position, irradiance: emission, ..Incident::default() }
-            }
-            _ => {
-                let incident = from_point(self.position, receiver, emission);
-                if kind != kind::TRIANGLE {
-                    return incident;
-                }
-                let cos = -unpack_direction(self.normal).dot(incident.direction);
-                let both = self.blue_kind >> 20 & DOUBLE_SIDED != 0;
-                let facing = if both { cos.abs() } else { cos };
-                Incident { irradiance: incident.irradiance * (facing + COSINE_SLACK).max(0.0), ..incident }
-            }
+        let is = |that| is_kind(self.blue_kind >> 16 & 15, that, lights.lights.features);
+        if is(kind::SPOT) {
+            return lights.incident(LightSample { light: self.light, uv: 0 }, receiver);
         }
+        if is(kind::DIRECTIONAL) || is(kind::ENVIRONMENT) {
+            return Incident { direction: self.position, irradiance: emission, ..Incident::default() };
+        }
+        let incident = from_point(self.position, receiver, emission);
+        if is(kind::TRIANGLE) {
+            let cos = -unpack_direction(self.normal).dot(incident.direction);
+            let both = self.blue_kind >> 20 & DOUBLE_SIDED != 0;
+            let facing = if both { cos.abs() } else { cos };
+            return Incident {
+                irradiance: incident.irradiance * (facing + COSINE_SLACK).max(0.0),
+                ..incident
+            };
+        }
+        incident
     }
 }
 

@@ -16,18 +16,31 @@ use glam::UVec4;
 pub struct Proposal {
     pub reservoir: StoredReservoir,
     pub ray: ShadowRay,
+    /// An earlier ray has shown the sample to be visible.
+    pub seen: bool,
 }
 
 impl Proposal {
     /// `reservoir`, filled at `surface`.
     pub fn new(surface: &Surface, lights: LightTable<'_>, reservoir: StoredReservoir) -> Self {
         let ray = ShadowRay::new(surface, &lights.incident(reservoir.sample, surface.position));
-        Proposal { reservoir, ray }
+        Proposal { reservoir, ray, seen: false }
     }
 
-    /// No ray is worth tracing for nothing.
-    pub fn is_dark(&self) -> bool {
-        self.reservoir.contribution_weight == 0.0
+    /// A merge at `surface`, which sees the sample of `canonical`.
+    pub fn merged(
+        surface: &Surface,
+        lights: LightTable<'_>,
+        canonical: StoredReservoir,
+        reservoir: StoredReservoir,
+    ) -> Self {
+        let seen = canonical.shares_sample_with(reservoir);
+        Proposal { seen, ..Proposal::new(surface, lights, reservoir) }
+    }
+
+    /// No ray is worth tracing for nothing, or twice.
+    pub fn is_certain(&self) -> bool {
+        self.seen || self.reservoir.contribution_weight == 0.0
     }
 }
 
@@ -69,7 +82,7 @@ pub fn propose(surface: &Surface, lights: LightTable<'_>, candidates: u32, rng: 
     for _ in 0..candidates {
         candidate(surface, lights, rng).compete(&mut reservoir);
     }
-    Proposal::new(surface, lights, reservoir.finish(reservoir.confidence))
+    Proposal::new(surface, lights, lights.canonical(reservoir.finish(reservoir.confidence)))
 }
 
 /// Random numbers of candidate `i` of a tile in x and y; `last` are those of the candidate before. Four serve two.
@@ -111,7 +124,7 @@ pub fn propose_from_tile(
     if finished.contribution_weight > 0.0 {
         finished.sample.uv = tiles.points[finished.sample.uv as usize];
     }
-    Proposal::new(surface, lights, finished)
+    Proposal::new(surface, lights, lights.canonical(finished))
 }
 
 /// Visibility reuse (Bitterli et al. 2020, Alg. 5, line 6).

@@ -59,6 +59,8 @@ pub struct CrossProposal {
     pub neighbor: StoredReservoir,
     pub targets: CrossTargets,
     pub ray: ShadowRay,
+    /// 1: both pixels see the same point, and what one sees, the other does. (rust-gpu takes no bool in an Option.)
+    pub same_point: u32,
 }
 
 impl CrossProposal {
@@ -80,12 +82,13 @@ impl CrossProposal {
                 canonical_at_neighbor: if sees_canonical { target_function(there, &incident) } else { 0.0 },
             },
             ray: ShadowRay::new(there, &incident),
+            same_point: 0,
         }
     }
 
-    /// No ray is worth tracing for nothing.
-    pub fn is_dark(&self) -> bool {
-        self.targets.canonical_at_neighbor == 0.0
+    /// No ray is worth tracing for nothing, or twice.
+    pub fn is_certain(&self) -> bool {
+        self.same_point != 0 || self.targets.canonical_at_neighbor == 0.0
     }
 
     /// The targets once the ray has answered.

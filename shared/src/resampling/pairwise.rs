@@ -80,6 +80,10 @@ impl Pairwise {
         Weighed { mis_weight, weight, survives }
     }
 
+    pub fn canonical(&self) -> StoredReservoir {
+        self.canonical
+    }
+
     /// What the canonical survivor's MIS weight gains if the pixel of a reservoir with this `confidence`, just added with target
     /// p̂_i(y_0) = `canonical_at_neighbor` > 0, does not see it.
     pub fn doubt(&self, confidence: f32, canonical_at_neighbor: f32) -> f32 {

@@ -88,7 +88,10 @@ impl Proposal {
     /// Adds a neighbor. `u` in [0, 1) decides over its survival, `lot` in [0, 1) whether it answers for all so far.
     pub fn add(&mut self, cross: CrossProposal, u: f32, lot: f32) -> Added {
         let weighed = self.merge.add(cross.neighbor, cross.targets, u);
-        let doubt = self.merge.doubt(cross.neighbor.confidence, cross.targets.canonical_at_neighbor);
+        // Who holds the same sample has seen it.
+        let agrees = cross.neighbor.shares_sample_with(self.merge.canonical());
+        let canonical_at_neighbor = if agrees { 0.0 } else { cross.targets.canonical_at_neighbor };
+        let doubt = self.merge.doubt(cross.neighbor.confidence, canonical_at_neighbor);
         self.doubt += doubt;
         let asked = lot * self.doubt < doubt;
         if asked {
@@ -171,7 +174,9 @@ pub fn accept(
     visible: bool,
     rng: &mut Rng,
 ) -> initial::Proposal {
-    initial::Proposal::new(surface, lights, proposal.resolved(visible).finish(rng.next_f32()))
+    let canonical = proposal.merge.canonical();
+    let merged = proposal.resolved(visible).finish(rng.next_f32());
+    initial::Proposal::merged(surface, lights, canonical, merged)
 }
 
 /// S of [`Pairwise`]. The numbers in `rng` choose the neighbors here, and again where they are merged.

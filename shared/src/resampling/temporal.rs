@@ -120,7 +120,8 @@ pub fn propose(
     let history = capped_history(frame, current, previous, pixel, lane);
     let texel = previous.gbuffer[frame.pixel_index(pixel) as usize];
     let there = texel.unpack(&frame.previous_camera, pixel, frame.size);
-    Some(CrossProposal::new(lights, surface, current, &there, history))
+    let cross = CrossProposal::new(lights, surface, current, &there, history);
+    Some(CrossProposal { same_point: there.is_same_point(surface).into(), ..cross })
 }
 
 /// Unbiased temporal reuse ends (pairwise MIS of two): `visible` answers the proposal's ray. The survivor's own visibility
@@ -136,7 +137,8 @@ pub fn accept(
     let random = rng.next_u32x4();
     let mut merge = begin(lights, surface, current, proposal);
     merge.add(proposal.neighbor, proposal.seen(visible), unit_f32(random.x));
-    initial::Proposal::new(surface, lights, merge.finish(unit_f32(random.y)))
+    let merged = initial::Proposal::merged(surface, lights, current, merge.finish(unit_f32(random.y)));
+    initial::Proposal { seen: merged.seen || proposal.same_point != 0, ..merged }
 }
 
 /// A merge of two, before the history is added.

@@ -282,7 +282,10 @@ impl Pass<'_> {
         if self.is(Plant::ForeignTarget) {
             proposal.targets.neighbor_at_neighbor = proposal.targets.neighbor_at_canonical;
         }
-        let visible = blind || self.is(Plant::HistoryRay) || self.sequence.world.trace(proposal.ray);
+        let visible = blind
+            || proposal.is_certain()
+            || self.is(Plant::HistoryRay)
+            || self.sequence.world.trace(proposal.ray);
         let merged = temporal::accept(lights, surface, fresh, proposal, visible, &mut rng);
         self.seen(merged, blind || self.is(Plant::SurvivorRay))
     }

@@ -52,8 +52,9 @@ pub fn log_log(title: &str, x_name: &str, y_name: &str, lines: &[Line], front: b
             path.iter().map(|&(a, b)| format!("{:.1},{:.1}", x.at(a), y.at(b))).collect::<Vec<_>>().join(" ")
         );
     }
+    let mut labels = Vec::new();
     for (i, line) in lines.iter().enumerate() {
-        draw(&mut svg, line, COLORS[i % COLORS.len()], &x, &y);
+        draw(&mut svg, line, COLORS[i % COLORS.len()], &x, &y, &mut labels);
     }
     legend(&mut svg, lines);
     svg + "</svg>\n"
@@ -99,7 +100,8 @@ fn axes(svg: &mut String, x: &Axis, y: &Axis, x_name: &str, y_name: &str) {
     );
 }
 
-fn draw(svg: &mut String, line: &Line, color: &str, x: &Axis, y: &Axis) {
+/// `labels`: left, top, right, bottom of those already written; one that would cover another is left to its title.
+fn draw(svg: &mut String, line: &Line, color: &str, x: &Axis, y: &Axis, labels: &mut Vec<[f64; 4]>) {
     let points: Vec<&Point> = line.points.iter().filter(|p| p.x > 0.0 && p.y > 0.0).collect();
     if line.joined {
         let path: Vec<_> = points.iter().map(|p| format!("{:.1},{:.1}", x.at(p.x), y.at(p.y))).collect();
@@ -122,6 +124,14 @@ fn draw(svg: &mut String, line: &Line, color: &str, x: &Axis, y: &Axis) {
             // Away from the nearer side border.
             let (dx, anchor) = if px > 0.75 * WIDTH { (-6.0, "end") } else { (6.0, "start") };
             let (tx, ty) = (px + dx, py - 5.0);
+            let width = 5.6 * p.label.chars().count() as f64;
+            let left = if dx < 0.0 { tx - width } else { tx };
+            let area = [left, ty - 9.0, left + width, ty + 2.0];
+            let apart = |o: &[f64; 4]| area[2] < o[0] || area[0] > o[2] || area[3] < o[1] || area[1] > o[3];
+            if !labels.iter().all(apart) {
+                continue;
+            }
+            labels.push(area);
             let text = escaped(&p.label);
             let _ = writeln!(
                 svg,

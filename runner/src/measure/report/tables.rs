@@ -13,7 +13,18 @@ pub fn series(rows: &[&Row]) -> Table {
     let stems = passes(rows.iter().copied());
     let mut header = vec!["".to_owned()];
     header.extend(stems.iter().map(|stem| stem.replace('_', " ")));
-    let rest = ["frame, ms", "p95", "relMSE", "R-MAE", "FLIP", "energy", "lasting", "flicker", "correlation"];
+    let rest = [
+        "frame, ms",
+        "p95",
+        "relMSE",
+        "SMAPE",
+        "R-MAE",
+        "FLIP",
+        "energy",
+        "lasting",
+        "flicker",
+        "correlation",
+    ];
     header.extend(rest.map(str::to_owned));
     let mut table = vec![header];
     for row in rows {
@@ -27,7 +38,12 @@ pub fn series(rows: &[&Row]) -> Table {
         cells.extend(stems.iter().map(|stem| ms(stem).unwrap_or_default()));
         let e = &m.error;
         cells.extend([time(m.frame.median), time(m.frame.p95)]);
-        cells.extend([with_error(&e.rel_mse), significant(e.r_mae.mean), significant(e.flip)]);
+        cells.extend([
+            with_error(&e.rel_mse),
+            with_error(&e.smape),
+            significant(e.r_mae.mean),
+            significant(e.flip),
+        ]);
         cells.extend([format!("{:.3}", e.energy_ratio.mean), significant(e.lasting_error)]);
         cells.extend([significant(m.stability.flicker), format!("{:.2}", m.stability.temporal_correlation)]);
         table.push(cells);

@@ -81,7 +81,7 @@ pub fn scene_key(scene: &SceneDescription) -> String {
     for texture in &scene.textures {
         hash.update(&texture.image.texels);
         let image = [texture.image.width, texture.image.height];
-        hash.update(format!("{image:?} {} {:?} {}", texture.srgb, texture.wrap, texture.linear_filter));
+        hash.update(format!("{image:?} {} {:?} {:?}", texture.srgb, texture.wrap, texture.filter));
     }
     if let Some(map) = &scene.environment {
         hash.update(bytemuck::cast_slice::<_, u8>(&map.radiance));

@@ -1,6 +1,6 @@
 //! Procedural textures, one repeat a metre (wood: a metre along the grain).
 
-use crate::scene::{Image, Texture, Wrap};
+use crate::scene::{Filter, Image, Texture, Wrap};
 use glam::{Vec2, Vec3};
 use std::f32::consts::TAU;
 use std::sync::Arc;
@@ -30,7 +30,7 @@ fn texture(name: &str, srgb: bool, values: impl Iterator<Item = Vec3>) -> Textur
     let texels =
         values.flat_map(|v| v.extend(1.0).to_array()).map(|c| (c.clamp(0.0, 1.0) * 255.0 + 0.5) as u8);
     let image = Image { name: name.into(), width: SIZE, height: SIZE, texels: texels.collect() };
-    Texture { image: Arc::new(image), srgb, wrap: [Wrap::Repeat; 2], linear_filter: true }
+    Texture { image: Arc::new(image), srgb, wrap: [Wrap::Repeat; 2], filter: Filter::LINEAR }
 }
 
 /// A number in 0..1 for each point of an integer lattice.

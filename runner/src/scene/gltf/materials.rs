@@ -4,9 +4,9 @@ use super::geometry::Wear;
 use super::images::{self, Fault, Images};
 use super::warnings::Warnings;
 use super::{Reason, label};
-use crate::scene::{AlphaMode, Image, Material, Texture, Workflow, Wrap};
+use crate::scene::{AlphaMode, Filter, Image, Material, Mips, Texture, Workflow, Wrap};
 use glam::{Vec2, Vec3, Vec4};
-use gltf::texture::{MagFilter, WrappingMode};
+use gltf::texture::{MagFilter, MinFilter, WrappingMode};
 use shared::material::{DIELECTRIC_F0, UvMap, f0_of_ior, slot};
 use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;
@@ -234,7 +234,11 @@ impl Materials {
         label: &str,
         warnings: &mut Warnings,
     ) -> Reason<Material> {
-        warn_of_approximations(source, references, label, warnings);
+        if source.occlusion_texture().is_some() {
+            let text =
+                "occlusion textures are not read, as they darken indirect light and all light here is direct";
+            warnings.add(text, label);
+        }
         let mut texture = |reference: &Option<Reference>| match reference {
             Some(reference) => self.texture(reference, label, warnings).map(Some),
             None => Ok(None),
@@ -274,6 +278,9 @@ impl Materials {
             material.emission =
                 Vec3::from(source.emissive_factor()) * source.emissive_strength().unwrap_or(1.0);
         }
+        if material.emission != Vec3::ZERO && material.alpha != AlphaMode::Opaque {
+            warnings.add("emissive and not opaque: as a light it shines where it is transparent too", label);
+        }
         restrict(material)
     }
 
@@ -289,7 +296,7 @@ impl Materials {
             image,
             srgb: reference.role == Role::Color,
             wrap: [wrap(sampler.wrap_s()), wrap(sampler.wrap_t())],
-            linear_filter: sampler.mag_filter() != Some(MagFilter::Nearest),
+            filter: filter(sampler.mag_filter(), sampler.min_filter()),
         });
         self.known_textures.insert(key, self.textures.len() - 1);
         Ok(self.textures.len() - 1)
@@ -319,26 +326,24 @@ impl Materials {
     }
 }
 
+/// What a file leaves open is linear.
+fn filter(magnify: Option<MagFilter>, minify: Option<MinFilter>) -> Filter {
+    let (minify_linear, mips) = match minify.unwrap_or(MinFilter::LinearMipmapLinear) {
+        MinFilter::Nearest => (false, Mips::None),
+        MinFilter::Linear => (true, Mips::None),
+        MinFilter::NearestMipmapNearest => (false, Mips::Nearest),
+        MinFilter::LinearMipmapNearest => (true, Mips::Nearest),
+        MinFilter::NearestMipmapLinear => (false, Mips::Linear),
+        MinFilter::LinearMipmapLinear => (true, Mips::Linear),
+    };
+    Filter { magnify_linear: magnify != Some(MagFilter::Nearest), minify_linear, mips }
+}
+
 fn wrap(mode: WrappingMode) -> Wrap {
     match mode {
         WrappingMode::Repeat => Wrap::Repeat,
         WrappingMode::MirroredRepeat => Wrap::MirroredRepeat,
         WrappingMode::ClampToEdge => Wrap::ClampToEdge,
-    }
-}
-
-fn warn_of_approximations(
-    source: &gltf::Material,
-    references: &References,
-    label: &str,
-    warnings: &mut Warnings,
-) {
-    if references.emissive.is_some() {
-        warnings.add("an emissive texture: as a light, each triangle emits the texture's average", label);
-    }
-    if source.occlusion_texture().is_some() {
-        // It darkens indirect light, and there is none here: shadow rays tell what is hidden.
-        tracing::info!("{label}: its occlusion texture is not read, as all light here is direct");
     }
 }
 

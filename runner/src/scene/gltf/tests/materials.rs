@@ -1,7 +1,7 @@
 //! Materials, textures and what stands in for missing ones.
 
 use super::*;
-use crate::scene::{AlphaMode, Material, Workflow, Wrap};
+use crate::scene::{AlphaMode, Filter, Material, Mips, Workflow, Wrap};
 use glam::{Vec2, Vec4};
 use shared::material::UvMap;
 use std::sync::Arc;
@@ -76,8 +76,30 @@ fn one_image_serves_color_and_data() {
     assert_eq!(scene.materials[0].reflectance_texture, Some(1));
     assert!(color.srgb && !data.srgb && Arc::ptr_eq(&color.image, &data.image));
     assert_eq!((color.image.width, color.image.height, &color.image.texels[..]), (1, 1, &[1, 2, 3, 255][..]));
-    assert_eq!((color.wrap, color.linear_filter), ([Wrap::ClampToEdge, Wrap::MirroredRepeat], false));
+    assert_eq!(color.wrap, [Wrap::ClampToEdge, Wrap::MirroredRepeat]);
+    // What the file leaves open is linear.
+    assert_eq!(color.filter, Filter { magnify_linear: false, ..Filter::LINEAR });
     assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
+}
+
+#[test]
+fn filters_are_read() {
+    for (code, minify_linear, mips) in [
+        (9728, false, Mips::None),
+        (9729, true, Mips::None),
+        (9984, false, Mips::Nearest),
+        (9985, true, Mips::Nearest),
+        (9986, false, Mips::Linear),
+        (9987, true, Mips::Linear),
+    ] {
+        let mut file = File::quad();
+        let texture = file.texture(&png([1, 2, 3]));
+        file.json["samplers"] = json!([{"magFilter": 9729, "minFilter": code}]);
+        file.json["textures"][texture]["sampler"] = json!(0);
+        file.material(json!({"pbrMetallicRoughness": {"baseColorTexture": {"index": texture}}}));
+        let filter = file.load().unwrap().textures[0].filter;
+        assert_eq!(filter, Filter { magnify_linear: true, minify_linear, mips }, "{code}");
+    }
 }
 
 #[test]

@@ -4,6 +4,7 @@ mod animations;
 mod errors;
 mod features;
 mod hostile;
+mod khronos;
 mod materials;
 
 use super::*;
