@@ -138,7 +138,7 @@ impl Replay<'_> {
     /// Does the ray of visibility reuse reach the finished survivor? True where the pass does not ask.
     fn is_seen(&self, proposal: &initial::Proposal, asks: bool, rays: &mut Rays<'_>) -> bool {
         !asks
-            || proposal.is_dark()
+            || proposal.is_certain()
             || rays.ask("from this pixel to the survivor", proposal.ray, SURE_HITS_ONLY)
     }
 
@@ -182,7 +182,7 @@ impl Replay<'_> {
         let lines = (0..self.frame.settings.candidates)
             .map(|_| self.compete(initial::candidate(&self.surface, self.lights(), &mut rng), &mut reservoir))
             .collect();
-        (lines, None, reservoir.finish(reservoir.confidence))
+        (lines, None, self.lights().canonical(reservoir.finish(reservoir.confidence)))
     }
 
     fn tile_candidates(
@@ -207,7 +207,7 @@ impl Replay<'_> {
         if finished.contribution_weight > 0.0 {
             finished.sample.uv = tiles.points[finished.sample.uv as usize];
         }
-        (lines, Some(Tile { tile, equal_entries }), finished)
+        (lines, Some(Tile { tile, equal_entries }), self.lights().canonical(finished))
     }
 
     fn compete(&self, candidate: initial::Candidate, reservoir: &mut Reservoir) -> Candidate {
@@ -322,7 +322,7 @@ impl Replay<'_> {
         };
         let asks = self.frame.settings.visibility_is_known();
         let seen = !asks
-            || proposal.is_dark()
+            || proposal.is_certain()
             || rays.ask("from the history's pixel to the current sample", proposal.ray, SURE_HITS_ONLY);
         let mut rng = self.rng(Stream::Temporal, lane);
         let finished = temporal::accept(lights, surface, current, proposal, seen, &mut rng.clone());

@@ -12,7 +12,7 @@ pub fn alpha(texture: &Texture, uv: Vec2) -> f32 {
         f32::from(image.texels[(y * image.width as usize + x) * 4 + 3]) / 255.0
     };
     let place = uv * Vec2::new(size[0] as f32, size[1] as f32);
-    if !texture.linear_filter {
+    if !texture.filter.magnify_linear {
         let corner = place.floor().as_ivec2();
         return texel(corner.x, corner.y);
     }
@@ -38,13 +38,14 @@ fn wrapped(i: i32, n: i32, wrap: Wrap) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Image;
+    use crate::scene::{Filter, Image};
     use std::sync::Arc;
 
-    fn texture(wrap: Wrap, linear_filter: bool) -> Texture {
+    fn texture(wrap: Wrap, linear: bool) -> Texture {
+        let filter = if linear { Filter::LINEAR } else { Filter::NEAREST };
         let texels = [0u8, 255, 51, 102].iter().flat_map(|&a| [0, 0, 0, a]).collect();
         let image = Arc::new(Image { name: "test".into(), width: 4, height: 1, texels });
-        Texture { image, srgb: true, wrap: [wrap; 2], linear_filter }
+        Texture { image, srgb: true, wrap: [wrap; 2], filter }
     }
 
     #[test]
