@@ -14,6 +14,7 @@ use spirv_std::spirv;
 #[spirv(compute(threads(8, 8, 1), entry_point_name = "temporal_moving"))]
 pub fn temporal_moving(
     #[spirv(global_invocation_id)] id: UVec3,
+    #[spirv(spec_constant(id = 0, default = 0))] features: u32,
     #[spirv(storage_buffer, descriptor_set = 0, binding = 6)] lights: &[Light],
     #[spirv(storage_buffer, descriptor_set = 0, binding = 7)] alias: &[AliasEntry],
     #[spirv(uniform, descriptor_set = 1, binding = 0)] frame: &FrameConstants,
@@ -37,11 +38,14 @@ pub fn temporal_moving(
     let index = reservoir_index(frame, pixel, lane) as usize;
     let surface = texel.unpack(&frame.camera, pixel, frame.size);
     let previous = Pixels { gbuffer: previous_gbuffer, reservoirs: history };
-    let past =
-        PastLights { lights: Lights { lights: past_lights }, previous_to_current, current_to_previous };
+    let past = PastLights {
+        lights: Lights { lights: past_lights, features },
+        previous_to_current,
+        current_to_previous,
+    };
     let motion = motions[texel.instance as usize];
     let mut rng = Rng::new(pixel, frame.index, frame.seed, Stream::Temporal, lane);
-    let lights = LightTable { lights: Lights { lights }, alias };
+    let lights = LightTable { lights: Lights { lights, features }, alias };
     let current = reservoirs[index];
     reservoirs[index] =
         moving::biased(frame, lights, past, &surface, &motion, current, previous, lane, &mut rng);

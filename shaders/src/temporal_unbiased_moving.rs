@@ -42,9 +42,12 @@ pub fn temporal_unbiased_moving(
     }
     let index = reservoir_index(frame, pixel, lane) as usize;
     let surface = texel.unpack(&frame.camera, pixel, frame.size);
-    let lights = LightTable { lights: Lights { lights }, alias };
-    let past =
-        PastLights { lights: Lights { lights: past_lights }, previous_to_current, current_to_previous };
+    let lights = LightTable { lights: Lights { lights, features }, alias };
+    let past = PastLights {
+        lights: Lights { lights: past_lights, features },
+        previous_to_current,
+        current_to_previous,
+    };
     let motion = motions[texel.instance as usize];
     let previous = Pixels { gbuffer: previous_gbuffer, reservoirs: history };
     let current = reservoirs[index];
@@ -54,11 +57,11 @@ pub fn temporal_unbiased_moving(
     };
     let asks = frame.settings.visibility_is_known();
     let visible = !asks
-        || proposal.is_dark()
+        || proposal.is_certain()
         || trace_shadow(past_tlas, features, proposal.ray, SURE_HITS_ONLY, payload);
     let mut rng = Rng::new(pixel, frame.index, frame.seed, Stream::Temporal, lane);
     let merged = temporal::accept(lights, &surface, current, proposal, visible, &mut rng);
     let visible =
-        !asks || merged.is_dark() || trace_shadow(tlas, features, merged.ray, SURE_HITS_ONLY, payload);
+        !asks || merged.is_certain() || trace_shadow(tlas, features, merged.ray, SURE_HITS_ONLY, payload);
     reservoirs[index] = initial::accept(merged, visible);
 }

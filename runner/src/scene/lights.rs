@@ -172,11 +172,7 @@ fn power_of(light: &Light) -> f32 {
 
 /// For each light of `before` its index in `now`, and the inverse; [`NO_LIGHT`] for those that only one of them has. Triangles
 /// belong together by instance, primitive and their place in it; texels of the environment by their order.
-pub fn light_maps(
-    before: &LightTable,
-    now: &LightTable,
-    edits: &LightEdits,
-) -> [Vec<u32>; 2] {
+pub fn light_maps(before: &LightTable, now: &LightTable, edits: &LightEdits) -> [Vec<u32>; 2] {
     let mut map = vec![NO_LIGHT; before.lights.len()];
     let mut join = |from: usize, to: usize, count: usize| {
         (0..count).for_each(|i| map[from + i] = (to + i) as u32);

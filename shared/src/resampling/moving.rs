@@ -75,7 +75,7 @@ pub fn propose(
         target(current.sample, past.before(current.sample), current.contribution_weight);
     let neighbor_at_canonical = target_of(surface, lights, neighbor);
     let targets = CrossTargets { neighbor_at_canonical, neighbor_at_neighbor, canonical_at_neighbor };
-    Some(CrossProposal { neighbor, targets, ray: ShadowRay::new(&there, &incident) })
+    Some(CrossProposal { neighbor, targets, ray: ShadowRay::new(&there, &incident), same_point: 0 })
 }
 
 #[cfg(test)]
