@@ -66,7 +66,7 @@ impl View {
     pub fn legend(self) -> &'static str {
         match self {
             View::Final | View::Reference => "",
-            View::Difference => "blue: too dark by 50 % or more; black: equal; red: too bright",
+            View::Difference => "blue: too dark by 50 % or more; black: equal; orange: too bright",
             View::Distance => "white near, black far, grey at the scene's radius",
             View::Normal | View::GeometricNormal => "red, green, blue: x, y, z from -1 to 1",
             View::Diffuse | View::F0 => "as the surface reflects",

@@ -14,9 +14,10 @@ use super::notices::Notices;
 use super::probe::Probe;
 use super::state::{Action, State};
 use super::timings::Timings;
+use super::views::Split;
 use crate::vulkan::Device;
 use ash::vk;
-use egui::{CollapsingHeader, Panel, ScrollArea, Ui};
+use egui::{CollapsingHeader, Color32, Panel, ScrollArea, Ui};
 
 /// What the panels tell.
 pub struct Info<'a> {
@@ -38,6 +39,7 @@ pub struct Info<'a> {
 
 /// Lays everything out; what the user asks for goes to `state`, or to `actions` where that can't do it.
 pub fn show(ui: &mut Ui, state: &mut State, info: &mut Info, actions: &mut Vec<Action>) {
+    divider(ui, state);
     messages::show(ui, info);
     if state.panels {
         Panel::left("panel").resizable(false).exact_size(270.0).show(ui, |ui| {
@@ -62,4 +64,13 @@ pub fn show(ui: &mut Ui, state: &mut State, info: &mut Info, actions: &mut Vec<A
 
 fn section(ui: &mut Ui, name: &str, open: bool, content: impl FnOnce(&mut Ui)) {
     CollapsingHeader::new(name).default_open(open).show(ui, content);
+}
+
+/// The line between two sides; a drag moves it.
+fn divider(ui: &Ui, state: &State) {
+    if state.split != Split::Off {
+        let window = ui.max_rect();
+        let x = window.left() + state.divider * window.width();
+        ui.painter().vline(x, window.y_range(), (1.0, Color32::from_white_alpha(160)));
+    }
 }
