@@ -36,6 +36,8 @@ pub enum Command {
     Sweep(SweepArgs),
     /// Write the report of a sweep again, or the tables of a page.
     Report(ReportArgs),
+    /// Write a scene for other programs: scene.json and PLY files (tools/mitsuba renders them with Mitsuba).
+    Export(ExportArgs),
     /// Write the project's own test scenes.
     #[command(hide = true)]
     Fixtures { directory: PathBuf },
@@ -203,6 +205,18 @@ pub struct ReportArgs {
     /// Fill the tables of this page from the folder's .json files.
     #[arg(long, value_name = "FILE")]
     pub markdown: Option<PathBuf>,
+}
+
+#[derive(Args, Clone, Debug)]
+pub struct ExportArgs {
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// Folder to write to; it is made if it is not there.
+    #[arg(short, long, value_name = "DIR")]
+    pub output: PathBuf,
+    /// As for `render`.
+    #[arg(long)]
+    pub camera: Option<String>,
 }
 
 /// Every knob of the estimator: of `--settings`, changed by what else is said. See [`SettingsFile`].

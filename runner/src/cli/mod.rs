@@ -2,6 +2,7 @@
 
 pub mod args;
 mod compare;
+mod export;
 mod fixtures;
 mod info;
 mod output;
@@ -27,6 +28,7 @@ pub fn run(cli: Cli) -> Result<()> {
         Command::Compare(args) => compare::run(&args),
         Command::Sweep(args) => sweep::run(&args),
         Command::Report(args) => report::run(&args),
+        Command::Export(args) => export::run(&args),
         Command::Fixtures { directory } => fixtures::run(&directory),
     }
 }

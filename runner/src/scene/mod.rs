@@ -6,6 +6,7 @@ pub mod environment;
 pub mod export;
 pub mod fixtures;
 pub mod gltf;
+pub mod interchange;
 pub mod knot;
 pub mod lights;
 pub mod shapes;

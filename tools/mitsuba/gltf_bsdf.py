@@ -1,0 +1,83 @@
+"""glTF 2.0's reflection model (appendix B) as a Mitsuba BSDF, written from the specification and Heitz 2014."""
+
+import drjit as dr
+import mitsuba as mi
+
+# A mirror lit by a point light has no finite radiance: Candela's narrowest lobe.
+MIN_ALPHA = 1e-3
+
+
+class GltfBsdf(mi.BSDF):
+    """f = (1 - F) diffuse/pi + F D G / (4 cos_i cos_o), 1/sr, linear RGB.
+
+    Parameters: `diffuse`, `f0` (textures, 0..1), `roughness` (perceptual, alpha = roughness^2), `double_sided` (else the
+    back is black) and `smith`: `correlated` (the specification's), or `separable`, a planted error for negative controls.
+    """
+
+    def __init__(self, props):
+        super().__init__(props)
+        self.diffuse = props.get_texture("diffuse")
+        self.f0 = props.get_texture("f0")
+        self.alpha = max(props["roughness"] ** 2, MIN_ALPHA)
+        self.double_sided = props["double_sided"]
+        self.separable = props.get("smith", "correlated") == "separable"
+        sides = mi.BSDFFlags.FrontSide | (mi.BSDFFlags.BackSide if self.double_sided else mi.BSDFFlags.Empty)
+        self.m_components = [mi.BSDFFlags.DiffuseReflection | mi.BSDFFlags.GlossyReflection | sides]
+        self.m_flags = self.m_components[0]
+
+    def cosines(self, si, wo):
+        cos_i, cos_o = mi.Frame3f.cos_theta(si.wi), mi.Frame3f.cos_theta(wo)
+        if self.double_sided:
+            wo = dr.mulsign(wo, cos_i)
+            wi = dr.mulsign(si.wi, cos_i)
+            return wi, wo, dr.abs(cos_i), dr.mulsign(cos_o, cos_i)
+        return si.wi, wo, cos_i, cos_o
+
+    def eval(self, ctx, si, wo, active):
+        """f times the cosine of `wo`."""
+        wi, wo, cos_i, cos_o = self.cosines(si, wo)
+        active = active & (cos_i > 0) & (cos_o > 0)
+        half = dr.normalize(wi + wo)
+        f0 = self.f0.eval(si, active)
+        fresnel = f0 + (1 - f0) * dr.clip(1 - dr.dot(wi, half), 0, 1) ** 5
+        a2 = self.alpha * self.alpha
+        # Trowbridge & Reitz: sin^2 from x and y, which keeps its digits at narrow lobes.
+        d = a2 / (dr.pi * dr.square(dr.square(half.x) + dr.square(half.y) + a2 * dr.square(half.z)))
+        # Smith's Lambda (Heitz 2014, eq. 72); height-correlated G (eq. 99) or the product of both sides.
+        def smith_lambda(cos):
+            return 0.5 * (dr.sqrt(1 + a2 * (1 / dr.square(cos) - 1)) - 1)
+        li, lo = smith_lambda(cos_i), smith_lambda(cos_o)
+        g = 1 / ((1 + li) * (1 + lo)) if self.separable else 1 / (1 + li + lo)
+        f = (1 - fresnel) * self.diffuse.eval(si, active) * dr.inv_pi + fresnel * d * g / (4 * cos_i * cos_o)
+        return dr.select(active, f * cos_o, 0)
+
+    def pdf(self, ctx, si, wo, active):
+        _, _, cos_i, cos_o = self.cosines(si, wo)
+        return dr.select(active & (cos_i > 0) & (cos_o > 0), cos_o * dr.inv_pi, 0)
+
+    def sample(self, ctx, si, sample1, sample2, active):
+        """Cosine-weighted: the lights are sampled, not this."""
+        wo = mi.warp.square_to_cosine_hemisphere(sample2)
+        cos_i = mi.Frame3f.cos_theta(si.wi)
+        if self.double_sided:
+            wo = dr.mulsign(wo, cos_i)
+        bs = mi.BSDFSample3f(wo)
+        bs.pdf = self.pdf(ctx, si, wo, active)
+        bs.eta = 1
+        bs.sampled_type = mi.UInt32(+self.m_flags)
+        bs.sampled_component = 0
+        active = active & (bs.pdf > 0)
+        return bs, dr.select(active, self.eval(ctx, si, wo, active) / bs.pdf, 0)
+
+    def eval_pdf(self, ctx, si, wo, active):
+        return self.eval(ctx, si, wo, active), self.pdf(ctx, si, wo, active)
+
+    def traverse(self, callback):
+        callback.put("diffuse", self.diffuse, mi.ParamFlags.Differentiable)
+        callback.put("f0", self.f0, mi.ParamFlags.Differentiable)
+
+    def to_string(self):
+        return f"GltfBsdf[alpha = {self.alpha}, diffuse = {self.diffuse}, f0 = {self.f0}]"
+
+
+mi.register_bsdf("gltf", GltfBsdf)

@@ -1,0 +1,128 @@
+"""A folder that `candela export` wrote -> a Mitsuba scene."""
+
+import json
+from pathlib import Path
+
+import mitsuba as mi
+import numpy as np
+
+import gltf_bsdf  # noqa: F401 (registers)
+import gltf_spot  # noqa: F401
+
+VERSION = 1
+# Copies of each texel of an environment map along its sides: see `environment`.
+ENVIRONMENT_WIDTH = 4096
+
+
+class SceneError(Exception):
+    """What can't be rendered, and why: one line."""
+
+
+def load(folder, size, plant=None):
+    """The scene in `folder` and its sensor, for a picture of `size` = (width, height) pixels.
+
+    `plant`: `separable-smith` or `mitsuba-spot`, an error for negative controls.
+    """
+    folder = Path(folder)
+    try:
+        root = json.loads((folder / "scene.json").read_text())
+    except (OSError, ValueError) as error:
+        raise SceneError(f"{folder / 'scene.json'}: {error}") from None
+    if (root.get("format"), root.get("version")) != ("candela-scene", VERSION):
+        raise SceneError(f"{folder / 'scene.json'}: not a candela-scene of version {VERSION}; export it again")
+    scene = {"type": "scene", "sensor": sensor(root["camera"], size)}
+    for i, shape in enumerate(root["shapes"]):
+        scene[f"shape{i}"] = mesh(folder, shape, root["materials"][shape["material"]], plant)
+    for i, light in enumerate(root["point_lights"]):
+        scene[f"point{i}"] = {"type": "point", "position": light["position"], "intensity": rgb(light["intensity"])}
+    for i, light in enumerate(root["spot_lights"]):
+        scene[f"spot{i}"] = spot(light, plant)
+    for i, light in enumerate(root["directional_lights"]):
+        direction = [-x for x in light["direction"]]
+        scene[f"sun{i}"] = {"type": "directional", "direction": direction, "irradiance": rgb(light["illuminance"])}
+    if root["environment"]:
+        scene["environment"] = environment(folder / root["environment"]["file"])
+    scene = mi.load_dict(scene)
+    return scene, scene.sensors()[0]
+
+
+def rgb(value):
+    """Linear Rec. 709, as it is."""
+    return {"type": "rgb", "value": list(value)}
+
+
+def look_at(position, direction, up=None):
+    """+z to `direction`."""
+    target = np.add(position, direction)
+    if up is None:
+        up = [0, 1, 0] if abs(direction[1]) < 0.9 else [1, 0, 0]
+    return mi.ScalarTransform4f().look_at(origin=list(position), target=list(target), up=list(up))
+
+
+def sensor(camera, size):
+    return {
+        "type": "perspective",
+        "to_world": look_at(camera["position"], camera["forward"], camera["up"]),
+        "fov": float(np.degrees(camera["fov_y"])),
+        "fov_axis": "y",
+        "near_clip": 1e-4,
+        "far_clip": 1e6,
+        "film": {"type": "hdrfilm", "width": size[0], "height": size[1], "rfilter": {"type": "box"}},
+    }
+
+
+def mesh(folder, shape, material, plant):
+    emission, double_sided = material["emission"], material["double_sided"]
+    path = folder / shape["file"]
+    colored = b"property float r\n" in path.read_bytes()[:1024]
+    mesh = {"type": "ply", "filename": str(path), "bsdf": bsdf(material, colored, plant)}
+    if any(emission):
+        if double_sided:
+            raise SceneError(f"{material['name']}: Mitsuba's area lights emit from one side only")
+        mesh["emitter"] = {"type": "area", "radiance": rgb(emission)}
+    return mesh
+
+
+def bsdf(material, colored, plant):
+    """c_diff and F0 of glTF 2.0, B.3.5, or of KHR_materials_pbrSpecularGlossiness."""
+    base, f0 = np.array(material["base_color"]), np.array(material["specular"])
+    if material["workflow"] == "specular-glossiness":
+        diffuse = base * (1 - f0.max())
+    else:
+        metallic = material["metallic"]
+        if colored and metallic > 0:
+            raise SceneError(f"{material['name']}: a metal with vertex colors")
+        diffuse, f0 = base * (1 - metallic), f0 + metallic * (base - f0)
+    diffuse = rgb(diffuse)
+    if colored:
+        if base.min() < 1 or base.max() > 1:
+            raise SceneError(f"{material['name']}: vertex colors over a base color that is not white")
+        diffuse = {"type": "mesh_attribute", "name": "vertex_color"}
+    return {
+        "type": "gltf",
+        "diffuse": diffuse,
+        "f0": rgb(f0),
+        "roughness": material["roughness"],
+        "double_sided": material["double_sided"],
+        "smith": "separable" if plant == "separable-smith" else "correlated",
+    }
+
+
+def spot(light, plant):
+    to_world = look_at(light["position"], light["axis"])
+    if plant == "mitsuba-spot":
+        angles = {"cutoff_angle": np.degrees(light["outer_angle"]), "beam_width": np.degrees(light["inner_angle"])}
+        angles = {name: float(angle) for name, angle in angles.items()}
+        return {"type": "spot", "to_world": to_world, "intensity": rgb(light["intensity"]), **angles}
+    angles = {name: light[name] for name in ("inner_angle", "outer_angle")}
+    return {"type": "gltf_spot", "to_world": to_world, "intensity": rgb(light["intensity"]), **angles}
+
+
+def environment(path):
+    """Mitsuba interpolates between the middles of texels, Candela's texels are constant: each is repeated so often that
+    interpolation is left with a seam of 1/4096 of the map's width. Mitsuba's map has -Z at its left end, Candela's -X.
+    """
+    texels = np.array(mi.Bitmap(str(path)).convert(mi.Bitmap.PixelFormat.RGB, mi.Struct.Type.Float32))
+    copies = max(1, ENVIRONMENT_WIDTH // texels.shape[1])
+    texels = texels.repeat(copies, axis=0).repeat(copies, axis=1)
+    return {"type": "envmap", "bitmap": mi.Bitmap(texels), "to_world": mi.ScalarTransform4f().rotate([0, 1, 0], 90)}
