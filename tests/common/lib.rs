@@ -2,6 +2,7 @@
 
 pub mod failure;
 pub mod gpu;
+pub mod outside;
 pub mod scenes;
 pub mod spirv;
 pub mod statistics;

@@ -12,10 +12,14 @@ import numpy as np
 
 mi.set_variant("llvm_ad_rgb")
 
-from scene import SceneError, load  # noqa: E402 (needs the variant)
+from scene import Scene, SceneError  # noqa: E402 (needs the variant)
 
-# Rays at once: bounds memory.
-BATCH = 1 << 22
+# Camera rays at once: bounds memory.
+BATCH = 1 << 20
+# Light samples of each camera ray.
+LIGHT_SAMPLES = 16
+# What is to be compared at 1 % must be known better: largest relative standard error of a pixel.
+CONVERGED = 3e-3
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 # Two rays see the same surface if they hit the same shape and the normals differ by less (cosine).
 SAME_NORMAL = 0.94
@@ -29,59 +33,74 @@ def pixel_rays(sensor, size, offset=(0.5, 0.5), repeat=1):
     return sensor.sample_ray(0, 0, place, mi.Point2f(0.5))[0]
 
 
-def render(scene, sensor, size, spp):
-    """Mean and standard error of each pixel's radiance through its middle: (height, width, 3) and (height, width)."""
-    # Everything that Candela shows: lights are seen too. Only lights are sampled: no BSDF here is narrower than a light
-    # is for Mitsuba's estimator to be finite.
-    integrator = mi.load_dict({"type": "direct", "emitter_samples": 1, "bsdf_samples": 0})
+def render(scene, size, spp):
+    """Mean and squared standard error of each pixel's radiance through its middle: (height, width, 3), (height, width)."""
     pixels = size[0] * size[1]
-    batch = max(1, min(spp, BATCH // pixels))
-    batches = -(-spp // batch)
+    batches = min(spp, max(2, -(-spp * pixels // BATCH)))
+    batch = max(1, spp // batches)
+    # Lights are seen too, as in Candela. Mitsuba's sampling of lights alone is unbiased for every BSDF.
+    light_samples = LIGHT_SAMPLES if spp > 1 else 1
+    integrator = mi.load_dict({"type": "direct", "emitter_samples": light_samples, "bsdf_samples": 0})
     means = []
     for i in range(batches):
         sampler = mi.load_dict({"type": "independent"})
         sampler.seed(i, pixels * batch)
-        radiance, _, _ = integrator.sample(scene, sampler, pixel_rays(sensor, size, repeat=batch))
+        rays = pixel_rays(scene.sensors()[0], size, repeat=batch)
+        radiance, _, _ = integrator.sample(scene, sampler, rays)
         means.append(np.stack([np.array(dr.block_sum(c, batch), np.float64) / batch for c in radiance], -1))
     means = np.stack(means)
-    mean = means.mean(0)
     # From the spread of the batches.
-    luminance = means @ LUMINANCE
-    error = luminance.std(0, ddof=1) / np.sqrt(batches) if batches > 1 else np.full(pixels, np.nan)
-    return mean.reshape(size[1], size[0], 3), error.reshape(size[1], size[0])
+    variance = (means @ LUMINANCE).var(0, ddof=1) / batches if batches > 1 else np.zeros(pixels)
+    return means.mean(0).reshape(size[1], size[0], 3), variance.reshape(size[1], size[0])
 
 
-def away_from_edges(scene, sensor, size):
-    """Where the rays through a pixel's corners meet the shape that its middle meets, and much the same normal."""
+def away_from_edges(scene, size):
+    """Where the rays through a pixel's corners meet the shape that its middle meets, with much the same normal, or the
+    same color of the sky."""
     def hits(offset):
-        si = scene.ray_intersect(pixel_rays(sensor, size, offset))
+        si = scene.ray_intersect(pixel_rays(scene.sensors()[0], size, offset))
+        sky = scene.environment()
+        sky = np.array(sky.eval(si)) if sky else np.zeros((3, 1))
         shape = np.array(dr.reinterpret_array(mi.UInt32, si.shape))
-        return shape, np.array(si.sh_frame.n).T if si.sh_frame.n.shape[0] == 3 else np.array(si.sh_frame.n)
+        return shape, np.array(si.sh_frame.n), sky
 
-    shape, normal = hits((0.5, 0.5))
+    shape, normal, sky = hits((0.5, 0.5))
     same = np.ones(shape.shape, bool)
     for offset in [(0, 0), (1, 0), (0, 1), (1, 1)]:
-        other, other_normal = hits(offset)
-        same &= (other == shape) & ((shape == 0) | ((normal * other_normal).sum(-1) > SAME_NORMAL))
+        other, other_normal, other_sky = hits(offset)
+        same_normal = (normal * other_normal).sum(0) > SAME_NORMAL
+        same_sky = (np.abs(sky - other_sky) <= 1e-5 * sky).all(0)
+        same &= (other == shape) & np.where(shape != 0, same_normal, same_sky)
     return same.reshape(size[1], size[0])
 
 
-def write(folder, output, size, spp, plant):
+def write(folder, output, size, spp, plant, noisy):
     """OUTPUT/NAME.exr: RGB radiance, alpha 1 away from edges; NAME.json: how it was made and its standard error."""
-    scene, sensor = load(folder, size, plant)
-    mean, error = render(scene, sensor, size, spp)
-    valid = away_from_edges(scene, sensor, size)
-    name = Path(folder).name + (f"-{plant}" if plant else "")
+    name = folder.name + (f"-{plant}" if plant else "")
+    scene = Scene(folder, size, plant)
+    if not scene.lights:
+        raise SceneError(f"{name}: nothing in it shines")
+    mean, variance, valid = 0, 0, True
+    for i, light in enumerate(scene.lights):
+        print(f"{name}: light {i + 1} of {len(scene.lights)}", file=sys.stderr)
+        lit = scene.lit_by(light)
+        part, part_variance = render(lit, size, 1 if scene.is_exact(light) else spp)
+        mean, variance = mean + part, variance + part_variance
+        valid = valid & away_from_edges(lit, size)
+    error = np.sqrt(variance)
     picture = np.concatenate([mean, valid[..., None]], -1).astype(np.float32)
     luminance = mean @ LUMINANCE
-    lit = luminance > 1e-3 * luminance.mean()
+    floor = 0.1 * luminance.mean()
+    largest = float((error / np.maximum(luminance, floor)).max())
+    if largest > CONVERGED and not noisy:
+        raise SceneError(f"{name}: a pixel's standard error is {largest:.2e} of it; render with more --spp, or --noisy")
     said = {
         "mitsuba": mi.__version__,
         "variant": mi.variant(),
-        "samples_per_pixel": spp,
+        "samples_per_pixel_and_area_light": spp * LIGHT_SAMPLES,
         "mean_luminance": float(luminance.mean()),
-        "relative_standard_error_of_the_mean": float(np.sqrt((error**2).sum()) / luminance.sum()),
-        "largest_relative_standard_error_of_a_pixel": float((error[lit] / luminance[lit]).max()),
+        "relative_standard_error_of_the_mean": float(np.sqrt(variance.sum()) / luminance.sum()),
+        "largest_relative_standard_error_of_a_pixel": largest,
         "pixels_away_from_edges": int(valid.sum()),
     }
     output.mkdir(parents=True, exist_ok=True)
@@ -95,8 +114,9 @@ def main():
     parser.add_argument("folders", nargs="+", type=Path, help="written by `candela export`")
     parser.add_argument("-o", "--output", type=Path, required=True, help="folder for the pictures")
     parser.add_argument("--size", default="64x48", help="width x height in pixels")
-    parser.add_argument("--spp", type=int, default=65536, help="samples per pixel")
+    parser.add_argument("--spp", type=int, default=4096, help="camera rays per pixel, of %d light samples each" % LIGHT_SAMPLES)
     parser.add_argument("--plant", choices=["separable-smith", "mitsuba-spot"], help="an error, for negative controls")
+    parser.add_argument("--noisy", action="store_true", help="write pictures that have not converged, too")
     args = parser.parse_args()
     try:
         width, height = (int(x) for x in args.size.split("x"))
@@ -104,7 +124,7 @@ def main():
         parser.error("--size: expected WIDTHxHEIGHT, such as 64x48")
     try:
         for folder in args.folders:
-            write(folder, args.output, (width, height), args.spp, args.plant)
+            write(folder, args.output, (width, height), args.spp, args.plant, args.noisy)
     except SceneError as error:
         sys.exit(f"error: {error}")
 

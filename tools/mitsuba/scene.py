@@ -18,32 +18,56 @@ class SceneError(Exception):
     """What can't be rendered, and why: one line."""
 
 
-def load(folder, size, plant=None):
-    """The scene in `folder` and its sensor, for a picture of `size` = (width, height) pixels.
+class Scene:
+    """The scene in `folder` for a picture of `size` = (width, height) pixels.
 
     `plant`: `separable-smith` or `mitsuba-spot`, an error for negative controls.
     """
-    folder = Path(folder)
-    try:
-        root = json.loads((folder / "scene.json").read_text())
-    except (OSError, ValueError) as error:
-        raise SceneError(f"{folder / 'scene.json'}: {error}") from None
-    if (root.get("format"), root.get("version")) != ("candela-scene", VERSION):
-        raise SceneError(f"{folder / 'scene.json'}: not a candela-scene of version {VERSION}; export it again")
-    scene = {"type": "scene", "sensor": sensor(root["camera"], size)}
-    for i, shape in enumerate(root["shapes"]):
-        scene[f"shape{i}"] = mesh(folder, shape, root["materials"][shape["material"]], plant)
-    for i, light in enumerate(root["point_lights"]):
-        scene[f"point{i}"] = {"type": "point", "position": light["position"], "intensity": rgb(light["intensity"])}
-    for i, light in enumerate(root["spot_lights"]):
-        scene[f"spot{i}"] = spot(light, plant)
-    for i, light in enumerate(root["directional_lights"]):
-        direction = [-x for x in light["direction"]]
-        scene[f"sun{i}"] = {"type": "directional", "direction": direction, "irradiance": rgb(light["illuminance"])}
-    if root["environment"]:
-        scene["environment"] = environment(folder / root["environment"]["file"])
-    scene = mi.load_dict(scene)
-    return scene, scene.sensors()[0]
+
+    def __init__(self, folder, size, plant=None):
+        folder = Path(folder)
+        try:
+            root = json.loads((folder / "scene.json").read_text())
+        except (OSError, ValueError) as error:
+            raise SceneError(f"{folder / 'scene.json'}: {error}") from None
+        if (root.get("format"), root.get("version")) != ("candela-scene", VERSION):
+            raise SceneError(f"{folder / 'scene.json'}: not a candela-scene of version {VERSION}; export it again")
+        materials = root["materials"]
+        self.objects = {"type": "scene", "sensor": sensor(root["camera"], size)}
+        # Name -> emitter. Those of meshes belong to the mesh of the same name.
+        self.lights = {}
+        for i, shape in enumerate(root["shapes"]):
+            material = materials[shape["material"]]
+            self.objects[f"shape{i}"] = mesh(folder / shape["file"], material, plant)
+            if any(material["emission"]):
+                self.lights[f"shape{i}"] = area(material)
+        for i, light in enumerate(root["point_lights"]):
+            self.lights[f"point{i}"] = {
+                "type": "point",
+                "position": light["position"],
+                "intensity": rgb(light["intensity"]),
+            }
+        for i, light in enumerate(root["spot_lights"]):
+            self.lights[f"spot{i}"] = spot(light, plant)
+        for i, light in enumerate(root["directional_lights"]):
+            direction = [-x for x in light["direction"]]
+            irradiance = rgb(light["illuminance"])
+            self.lights[f"sun{i}"] = {"type": "directional", "direction": direction, "irradiance": irradiance}
+        if root["environment"]:
+            self.lights["sky"] = environment(folder / root["environment"]["file"])
+
+    def is_exact(self, light):
+        """One sample says it all: the light has no extent."""
+        return not light.startswith(("shape", "sky"))
+
+    def lit_by(self, light):
+        """The Mitsuba scene with this light alone: light adds up, and no sample is spent on choosing one."""
+        objects = dict(self.objects)
+        if light in objects:
+            objects[light] = objects[light] | {"emitter": self.lights[light]}
+        else:
+            objects[light] = self.lights[light]
+        return mi.load_dict(objects)
 
 
 def rgb(value):
@@ -71,16 +95,15 @@ def sensor(camera, size):
     }
 
 
-def mesh(folder, shape, material, plant):
-    emission, double_sided = material["emission"], material["double_sided"]
-    path = folder / shape["file"]
+def mesh(path, material, plant):
     colored = b"property float r\n" in path.read_bytes()[:1024]
-    mesh = {"type": "ply", "filename": str(path), "bsdf": bsdf(material, colored, plant)}
-    if any(emission):
-        if double_sided:
-            raise SceneError(f"{material['name']}: Mitsuba's area lights emit from one side only")
-        mesh["emitter"] = {"type": "area", "radiance": rgb(emission)}
-    return mesh
+    return {"type": "ply", "filename": str(path), "bsdf": bsdf(material, colored, plant)}
+
+
+def area(material):
+    if material["double_sided"]:
+        raise SceneError(f"{material['name']}: Mitsuba's area lights emit from one side only")
+    return {"type": "area", "radiance": rgb(material["emission"])}
 
 
 def bsdf(material, colored, plant):

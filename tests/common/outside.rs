@@ -1,0 +1,176 @@
+//! Scenes that Mitsuba has rendered too (tools/mitsuba): balls and a box on a floor, lit by one kind of light each.
+
+use crate::scenes::{self, emitter};
+use candela::scene::shapes::{Shape, cuboid, polygon, sphere};
+use candela::scene::{
+    DirectionalLight, Environment, Instance, Material, Mesh, PointLight, SceneCamera, SceneDescription,
+    SpotLight, Workflow, fixtures,
+};
+use glam::{Affine3A, UVec2, Vec3};
+
+pub const SIZE: UVec2 = UVec2::new(64, 48);
+
+/// Every scene, by the name of its reference in tests/references.
+pub fn all() -> Vec<SceneDescription> {
+    let mut all =
+        vec![diffuse(), metal(), dielectric(), point(), spot(), directional(), triangle(), environment()];
+    // As files: a room under a lamp; instances turned, stretched and mirrored, with vertex colors.
+    let files = fixtures::all().into_iter().filter(|(name, _)| ["cornell-box", "instances"].contains(name));
+    all.extend(files.map(|(_, scene)| scene));
+    all
+}
+
+/// The scene called `name`.
+pub fn named(name: &str) -> SceneDescription {
+    all().into_iter().find(|scene| scene.name == name).expect("a scene of this name")
+}
+
+fn add(scene: &mut SceneDescription, shape: Shape, transform: Affine3A, material: Material) {
+    let primitive = shape.into_primitive(scene.materials.len(), false);
+    let mesh = scene.meshes.len();
+    scene.materials.push(material);
+    scene.meshes.push(Mesh { name: scene.name.clone(), primitives: vec![primitive] });
+    scene.instances.push(Instance { name: scene.name.clone(), mesh, transform });
+}
+
+/// A ball, a box that stands askew, and a smaller ball, each of its own material, on a rough floor.
+fn stage(name: &str, materials: [Material; 3]) -> SceneDescription {
+    let mut scene = scenes::scene(vec![], vec![], vec![]);
+    scene.name = name.into();
+    let [left, middle, right] = materials;
+    let moved = |x: f32, y: f32, z: f32| Affine3A::from_translation(Vec3::new(x, y, z));
+    add(&mut scene, sphere(0.6, 48), moved(-1.1, 0.6, 0.0), left);
+    let half = Vec3::new(0.25, 0.5, 0.35);
+    add(&mut scene, cuboid(-half, half), moved(0.1, 0.5, -0.4) * Affine3A::from_rotation_y(0.5), middle);
+    add(&mut scene, sphere(0.4, 48), moved(1.1, 0.4, 0.3), right);
+    let position = Vec3::new(0.3, 2.2, 4.2);
+    scene.cameras.push(SceneCamera {
+        name: "front".into(),
+        position,
+        forward: (Vec3::new(0.0, 0.35, 0.0) - position).normalize(),
+        up: Vec3::Y,
+        fov_y: 0.7,
+    });
+    scene
+}
+
+fn colored(color: [f32; 3], roughness: f32) -> Material {
+    Material { base_color: Vec3::from(color).extend(1.0), roughness, ..Material::default() }
+}
+
+fn plain(name: &str) -> SceneDescription {
+    stage(name, [[0.7, 0.2, 0.1], [0.8, 0.8, 0.8], [0.1, 0.3, 0.6]].map(|color| colored(color, 1.0)))
+}
+
+const KEY: PointLight =
+    PointLight { position: Vec3::new(1.5, 3.0, 2.0), intensity: Vec3::new(100.0, 90.0, 80.0) };
+
+/// A square of 1 m that faces the stage from above, as two triangles.
+fn add_lamp(scene: &mut SceneDescription, radiance: Vec3) {
+    let corners = [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)];
+    let lamp = polygon(&corners.map(|(x, y)| Vec3::new(x, y, 0.0)), Vec3::Z);
+    let to_stage = glam::Quat::from_rotation_arc(Vec3::Z, Vec3::new(0.5, -0.8, -0.4).normalize());
+    let transform = Affine3A::from_rotation_translation(to_stage, Vec3::new(-1.2, 2.2, 1.2));
+    add(scene, lamp, transform, emitter(radiance));
+}
+
+/// No specular reflection at normal incidence.
+fn diffuse() -> SceneDescription {
+    let mut scene = plain("diffuse");
+    scene.materials.iter_mut().for_each(|material| material.specular = Vec3::ZERO);
+    scene.point_lights.push(KEY);
+    scene
+}
+
+fn metal() -> SceneDescription {
+    let metal = |color, roughness| Material { metallic: 1.0, ..colored(color, roughness) };
+    let metals =
+        [metal([1.0, 0.77, 0.34], 0.5), metal([0.95, 0.64, 0.54], 0.75), metal([0.9, 0.9, 0.9], 0.25)];
+    let mut scene = stage("metal", metals);
+    scene.point_lights.push(KEY);
+    add_lamp(&mut scene, Vec3::new(40.0, 50.0, 60.0));
+    scene
+}
+
+/// Both workflows, an index of refraction of 2.4, and half a metal.
+fn dielectric() -> SceneDescription {
+    let mut scene = stage(
+        "dielectric",
+        [
+            Material { specular: Vec3::splat(0.17), ..colored([0.5, 0.1, 0.1], 0.3) },
+            Material { metallic: 0.5, ..colored([0.2, 0.6, 0.3], 0.6) },
+            Material {
+                workflow: Workflow::SpecularGlossiness,
+                specular: Vec3::new(0.3, 0.2, 0.1),
+                ..colored([0.1, 0.2, 0.7], 0.45)
+            },
+        ],
+    );
+    scene.point_lights.push(KEY);
+    add_lamp(&mut scene, Vec3::new(40.0, 50.0, 60.0));
+    scene
+}
+
+fn point() -> SceneDescription {
+    let light = |position: [f32; 3], intensity: [f32; 3]| PointLight {
+        position: position.into(),
+        intensity: intensity.into(),
+    };
+    let mut scene = plain("point");
+    scene.point_lights = vec![
+        light([-0.4, 0.3, 1.0], [3.0, 1.0, 0.5]),
+        light([0.6, 1.6, -1.2], [5.0, 10.0, 20.0]),
+        light([2.0, 2.5, 1.5], [40.0, 40.0, 40.0]),
+    ];
+    scene
+}
+
+fn spot() -> SceneDescription {
+    let spot = |position: Vec3, target: Vec3, intensity: Vec3, inner_angle: f32, outer_angle: f32| {
+        SpotLight { position, axis: (target - position).normalize(), intensity, inner_angle, outer_angle }
+    };
+    let mut scene = plain("spot");
+    scene.spot_lights = vec![
+        spot(Vec3::new(-2.0, 3.0, 1.5), Vec3::new(-0.8, 0.2, 0.2), Vec3::new(120.0, 90.0, 60.0), 0.1, 0.45),
+        spot(Vec3::new(2.5, 2.0, 1.0), Vec3::new(0.3, 0.2, 0.0), Vec3::new(40.0, 60.0, 90.0), 0.0, 0.6),
+    ];
+    scene
+}
+
+fn directional() -> SceneDescription {
+    let direction = Vec3::new(2.0, 3.0, 1.5).normalize();
+    let mut scene = plain("directional");
+    scene.directional_lights = vec![DirectionalLight { direction, illuminance: Vec3::new(60.0, 55.0, 45.0) }];
+    scene
+}
+
+/// A square and a lone triangle.
+fn triangle() -> SceneDescription {
+    let mut scene = plain("triangle");
+    add_lamp(&mut scene, Vec3::new(60.0, 50.0, 40.0));
+    let corners = [Vec3::new(1.4, 0.9, -1.2), Vec3::new(2.2, 0.9, -1.0), Vec3::new(1.6, 1.7, -1.4)];
+    add(
+        &mut scene,
+        polygon(&corners, Vec3::new(-0.5, -0.2, 1.0)),
+        Affine3A::IDENTITY,
+        emitter(Vec3::new(5.0, 15.0, 40.0)),
+    );
+    scene
+}
+
+/// A sky without symmetry: a gradient, a sun of one texel, ground of another color.
+fn environment() -> SceneDescription {
+    let size = UVec2::new(16, 8);
+    let radiance = |i: u32| match (i % 16, i / 16) {
+        (10, 2) => Vec3::new(150.0, 120.0, 90.0),
+        (x, y @ 0..4) => Vec3::new(1.0, 2.0, 4.0) * (1.0 + 0.1 * x as f32 + 0.3 * y as f32),
+        (x, _) => Vec3::new(0.6, 0.5, 0.3) * (1 + x % 4) as f32,
+    };
+    let environment = Some(Environment { size, radiance: (0..128).map(radiance).collect() });
+    let mut scene = SceneDescription { environment, ..plain("environment") };
+    // Low, so that the sky is seen.
+    let camera = &mut scene.cameras[0];
+    camera.position = Vec3::new(0.3, 0.9, 4.2);
+    camera.forward = (Vec3::new(0.0, 0.75, 0.0) - camera.position).normalize();
+    scene
+}

@@ -1,0 +1,225 @@
+//! Our pictures against Mitsuba 3's, pixel by pixel: the same scenes, a stranger's rays, lights, camera and sums (tools/mitsuba
+//! says how they were made and how far they are from converged).
+//!
+//! Both programs look through the middle of each pixel. Where the rays through a pixel's corners meet another shape, another
+//! normal or another texel of the sky than its middle does, a rounding decides what is seen: those pixels (alpha 0 in the
+//! references) are not compared one by one.
+
+use candela::measure::mean::Mean;
+use candela::scene::{SceneDescription, interchange};
+use glam::{Affine3A, UVec2, Vec3};
+use shared::camera::Camera;
+use shared::frame::{Settings, mode};
+use shared::light::kind;
+use shared::math::luminance;
+use std::path::{Path, PathBuf};
+use tests::failure;
+use tests::gpu::{Gpu, assert_no_validation_messages, device, reference, renderer, restir};
+use tests::outside::{SIZE, all, named};
+
+/// Of the mean of the picture away from edges.
+const MEAN_TOLERANCE: f64 = 3e-3;
+/// Of a pixel: relative, and as a fraction of the picture's mean. Mitsuba's own standard error is below 0.3 %.
+const PIXEL_TOLERANCE: (f64, f64) = (1e-2, 1e-3);
+/// Standard errors of our own mean that a pixel may be off besides: over 3,072 pixels and 10 scenes a false alarm in 2 % of
+/// all choices of seeds (the seeds are fixed).
+const SIGMAS: f64 = 5.0;
+
+/// What Mitsuba rendered, and where it may be compared.
+struct Truth {
+    radiance: Vec<Vec3>,
+    away_from_edges: Vec<bool>,
+}
+
+impl Truth {
+    fn read(name: &str) -> Self {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("references").join(name).with_extension("exr");
+        let picture = image::open(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display())).into_rgba32f();
+        assert_eq!(UVec2::from(picture.dimensions()), SIZE, "{}", path.display());
+        Truth {
+            radiance: picture.pixels().map(|p| Vec3::from_slice(&p.0)).collect(),
+            away_from_edges: picture.pixels().map(|p| p.0[3] > 0.5).collect(),
+        }
+    }
+}
+
+/// A picture against the truth, away from edges.
+struct Comparison {
+    /// Mean luminance over the truth's.
+    mean_ratio: f64,
+    /// Mean of squared errors of the luminance over the truth's square (+ 0.1 % of the mean's).
+    relative_mse: f64,
+    /// Largest error of a pixel's channel in units of what is allowed, and where.
+    worst: (f64, UVec2),
+    /// Largest relative error of a pixel's luminance above a hundredth of the mean.
+    largest_relative: f64,
+    pixels: usize,
+}
+
+impl Comparison {
+    fn new(mean: &Mean, truth: &Truth) -> Self {
+        let (ours, errors) = (mean.radiance(), mean.standard_errors());
+        let compared: Vec<usize> = (0..ours.len()).filter(|&i| truth.away_from_edges[i]).collect();
+        let l = |picture: &[Vec3], i: usize| f64::from(luminance(picture[i]));
+        let sum = |of: &dyn Fn(usize) -> f64| compared.iter().map(|&i| of(i)).sum::<f64>();
+        let count = compared.len() as f64;
+        let bright = sum(&|i| l(&truth.radiance, i)) / count;
+        let excess = |i: usize| {
+            let allowed = PIXEL_TOLERANCE.0 * f64::from(truth.radiance[i].max_element())
+                + PIXEL_TOLERANCE.1 * bright
+                + SIGMAS * errors[i] * 1.5;
+            f64::from((ours[i] - truth.radiance[i]).abs().max_element()) / allowed
+        };
+        let relative = |i: usize| {
+            let (a, b) = (l(&ours, i), l(&truth.radiance, i));
+            if b > 0.01 * bright { (a - b).abs() / b } else { 0.0 }
+        };
+        let (worst, at) = compared
+            .iter()
+            .map(|&i| (excess(i), i))
+            .fold((0.0, 0), |best, next| if next.0 > best.0 { next } else { best });
+        Comparison {
+            mean_ratio: sum(&|i| l(&ours, i)) / count / bright,
+            relative_mse: sum(&|i| {
+                let (a, b) = (l(&ours, i), l(&truth.radiance, i));
+                (a - b).powi(2) / (b * b + 1e-3 * bright * bright)
+            }) / count,
+            worst: (worst, UVec2::new(at as u32 % SIZE.x, at as u32 / SIZE.x)),
+            largest_relative: compared.iter().map(|&i| relative(i)).fold(0.0, f64::max),
+            pixels: compared.len(),
+        }
+    }
+
+    fn mean_agrees(&self) -> bool {
+        (self.mean_ratio - 1.0).abs() < MEAN_TOLERANCE
+    }
+
+    fn agrees(&self) -> bool {
+        self.mean_agrees() && self.worst.0 < 1.0
+    }
+}
+
+impl std::fmt::Display for Comparison {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(
+            f,
+            "| {:.4} | {:.1e} | {:.2} % | {:.2} at {} | {} |",
+            self.mean_ratio,
+            self.relative_mse,
+            100.0 * self.largest_relative,
+            self.worst.0,
+            self.worst.1,
+            self.pixels
+        )
+    }
+}
+
+fn camera(scene: &SceneDescription) -> Camera {
+    let view = &scene.cameras[0];
+    Camera::new(view.position, view.forward, view.up, view.fov_y, SIZE)
+}
+
+/// The mean of as many frames of the reference as its kinds of light need: points are exact with one.
+fn our_reference(device: &Gpu, scene: &SceneDescription) -> Mean {
+    let frames = match candela::scene::lights::LightTable::new(scene).lights {
+        lights if lights.iter().any(|l| l.kind == kind::ENVIRONMENT) => 48,
+        lights if lights.iter().any(|l| l.kind == kind::TRIANGLE) => 256,
+        _ => 1,
+    };
+    let mut renderer = renderer(device, scene, SIZE, 0);
+    let mut mean = Mean::new(SIZE);
+    for seed in 0..frames {
+        mean.add(&reference(&mut renderer, camera(scene), seed));
+    }
+    mean
+}
+
+#[test]
+fn the_reference_agrees_with_mitsuba() {
+    let Some(device) = device() else { return };
+    let mut failed = Vec::new();
+    for scene in all() {
+        let truth = Truth::read(&scene.name);
+        let mean = our_reference(&device, &scene);
+        let comparison = Comparison::new(&mean, &truth);
+        println!("| {} {comparison}", scene.name);
+        if !comparison.agrees() {
+            let name = format!("mitsuba-{}", scene.name);
+            let pictures = failure::write(&name, SIZE, &mean.radiance(), &truth.radiance);
+            failed.push(format!("{} {comparison} {pictures}", scene.name));
+        }
+        assert!(comparison.pixels > 2000, "{}: {} pixels are left to compare", scene.name, comparison.pixels);
+    }
+    assert!(failed.is_empty(), "{}", failed.join("\n"));
+    assert_no_validation_messages(&device);
+}
+
+/// Planted errors, each of which the same comparison must see: in our scene, or in Mitsuba's picture.
+#[test]
+fn planted_errors_are_seen() {
+    let Some(device) = device() else { return };
+    let against = |name: &str, truth: &str, change: &dyn Fn(&mut SceneDescription)| {
+        let mut scene = named(name);
+        change(&mut scene);
+        Comparison::new(&our_reference(&device, &scene), &Truth::read(truth))
+    };
+    type Change = fn(&mut SceneDescription);
+    let planted: [(&str, &str, &str, Change); 9] = [
+        ("1 % more light", "point", "point", |s| s.point_lights.iter_mut().for_each(|l| l.intensity *= 1.01)),
+        ("a light off by 2 cm", "point", "point", |s| s.point_lights[0].position.x += 0.02),
+        ("a box 4 % too large", "point", "point", |s| {
+            s.instances[2].transform *= Affine3A::from_scale(Vec3::splat(1.04))
+        }),
+        ("Smith's G of both sides multiplied", "metal", "metal-separable-smith", |_| ()),
+        ("roughness off by 0.02", "metal", "metal", |s| s.materials[1].roughness += 0.02),
+        ("F0 0.05 instead of 0.04", "dielectric", "dielectric", |s| {
+            s.materials[0].specular = Vec3::splat(0.05)
+        }),
+        ("Mitsuba's own falloff of spots", "spot", "spot-mitsuba-spot", |_| ()),
+        ("a sun off by half a degree", "directional", "directional", |s| {
+            let turn = glam::Quat::from_rotation_y(0.5f32.to_radians());
+            s.directional_lights[0].direction = turn * s.directional_lights[0].direction;
+        }),
+        ("a mirrored sky", "environment", "environment", |s| {
+            s.environment
+                .iter_mut()
+                .for_each(|map| map.radiance.chunks_exact_mut(16).for_each(<[_]>::reverse))
+        }),
+    ];
+    for (error, name, truth, change) in planted {
+        let comparison = against(name, truth, &change);
+        println!("| {error} {comparison}");
+        assert!(!comparison.agrees(), "{error} was not seen: {comparison}");
+    }
+    assert_no_validation_messages(&device);
+}
+
+/// Temporal and spatial reuse with pairwise MIS, many runs of three frames: the mean is Mitsuba's within 1 %, and each block
+/// of 8 x 8 pixels within its own interval.
+#[test]
+fn unbiased_resampling_agrees_with_mitsuba() {
+    const RUNS: u32 = 48;
+    let Some(device) = device() else { return };
+    let settings = Settings { candidates: 8, radius: 8.0, mode: mode::UNBIASED, ..Settings::default() };
+    for scene in all() {
+        let truth = Truth::read(&scene.name);
+        let mut renderer = renderer(&device, &scene, SIZE, 1);
+        let mut mean = Mean::new(SIZE);
+        for seed in 1..=RUNS {
+            mean.add(&restir(&mut renderer, camera(&scene), settings, 3, seed));
+        }
+        let comparison = Comparison::new(&mean, &truth);
+        println!("| {} {comparison}", scene.name);
+    }
+    assert_no_validation_messages(&device);
+}
+
+/// Writes the scenes for tools/mitsuba to out/outside-truth.
+#[test]
+#[ignore = "writes to out/outside-truth"]
+fn export_scenes() {
+    let out: PathBuf = Path::new(env!("CARGO_MANIFEST_DIR")).join("../out/outside-truth");
+    for scene in all() {
+        interchange::write(&scene, &scene.cameras[0], &out.join(&scene.name)).expect("the scene is written");
+    }
+}

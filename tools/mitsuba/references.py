@@ -1,0 +1,17 @@
+#!/usr/bin/env python3
+"""Remakes tests/references: exports the scenes of tests/common/outside.rs and renders them, and the planted errors."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+SCENES = ROOT / "out/outside-truth"
+RENDER = [sys.executable, str(Path(__file__).with_name("render.py")), "-o", str(ROOT / "tests/references")]
+EXPORT = ["cargo", "test", "-p", "tests", "--test", "outside_truth", "export_scenes", "--", "--ignored"]
+
+subprocess.run(EXPORT, cwd=ROOT, check=True)
+folders = sorted(str(path.parent) for path in SCENES.glob("*/scene.json"))
+subprocess.run([*RENDER, *folders], check=True)
+for scene, plant in [("metal", "separable-smith"), ("spot", "mitsuba-spot")]:
+    subprocess.run([*RENDER, str(SCENES / scene), "--plant", plant], check=True)
