@@ -7,15 +7,14 @@ import mitsuba as mi
 class GltfSpot(mi.Emitter):
     """Radiant intensity `intensity` (cd) on the axis, times clamp((cos - cos_outer) / (cos_inner - cos_outer), 0, 1)^2.
 
-    Parameters: `to_world` (shines along +z), `intensity` (texture), `inner_angle`, `outer_angle` (radians from the axis).
+    Parameters: `position`, `axis` (the way it shines), `intensity` (texture), `inner_angle`, `outer_angle` (radians from the axis).
     """
 
     def __init__(self, props):
         super().__init__(props)
         self.intensity = props.get_unbounded_texture("intensity")
-        to_world = props["to_world"]
-        self.position = mi.Point3f(to_world @ mi.ScalarPoint3f(0, 0, 0))
-        self.axis = dr.normalize(mi.Vector3f(to_world @ mi.ScalarVector3f(0, 0, 1)))
+        self.position = mi.Point3f(props["position"])
+        self.axis = dr.normalize(mi.Vector3f(props["axis"]))
         cos_inner, self.cos_outer = dr.cos(props["inner_angle"]), dr.cos(props["outer_angle"])
         # 0.001: the extension's own guard.
         self.scale = 1 / max(cos_inner - self.cos_outer, 0.001)

@@ -132,13 +132,17 @@ def bsdf(material, colored, plant):
 
 
 def spot(light, plant):
-    to_world = look_at(light["position"], light["axis"])
+    intensity = rgb(light["intensity"])
     if plant == "mitsuba-spot":
-        angles = {"cutoff_angle": np.degrees(light["outer_angle"]), "beam_width": np.degrees(light["inner_angle"])}
-        angles = {name: float(angle) for name, angle in angles.items()}
-        return {"type": "spot", "to_world": to_world, "intensity": rgb(light["intensity"]), **angles}
-    angles = {name: light[name] for name in ("inner_angle", "outer_angle")}
-    return {"type": "gltf_spot", "to_world": to_world, "intensity": rgb(light["intensity"]), **angles}
+        return {
+            "type": "spot",
+            "to_world": look_at(light["position"], light["axis"]),
+            "intensity": intensity,
+            "cutoff_angle": float(np.degrees(light["outer_angle"])),
+            "beam_width": float(np.degrees(light["inner_angle"])),
+        }
+    geometry = {name: light[name] for name in ("position", "axis", "inner_angle", "outer_angle")}
+    return {"type": "gltf_spot", "intensity": intensity, **geometry}
 
 
 def environment(path):
