@@ -1,6 +1,9 @@
-//! Scenes whose radiance is known in closed form.
+//! Scenes whose radiance is known in closed form, and scenes with every kind of light for statistics.
 
-use candela::scene::{Instance, Material, Mesh, PointLight, Primitive, SceneDescription};
+use candela::scene::{
+    DirectionalLight, Environment, Instance, Material, Mesh, PointLight, Primitive, SceneDescription,
+    SpotLight,
+};
 use glam::{Affine3A, DVec3, UVec2, Vec2, Vec3, Vec4};
 use shared::camera::Camera;
 
@@ -76,4 +79,81 @@ pub fn floor_bsdf(wi: DVec3, wo: DVec3) -> DVec3 {
     let g = 2.0 / (1.0 / wi.y + 1.0 / wo.y);
     let f = 0.04 + 0.96 * (1.0 - wi.dot(h)).powi(5);
     (1.0 - f) * FLOOR.as_dvec3() / PI + f / PI * g / (4.0 * wi.y * wo.y)
+}
+
+/// `open` with three squares in between: shadows everywhere, and pixels that see them from above.
+pub fn occluded(mut open: SceneDescription) -> SceneDescription {
+    let squares = [(-0.8, 0.6, 0.2), (0.7, 0.4, 0.5), (0.1, 0.8, -0.9)]
+        .map(|(x, y, z)| square(Vec3::new(x, y, z), Vec3::Z * 0.45, Vec3::X * 0.45, 0));
+    open.meshes[0].primitives.extend(squares);
+    open
+}
+
+/// Point lights under emissive triangles that face the floor; strengths over four orders of magnitude.
+pub fn many_lights() -> SceneDescription {
+    let strength = |i: i32| 10f32.powi(i % 5 - 2);
+    let lights = (0..20)
+        .map(|i| {
+            let angle = i as f32 * 2.4;
+            let radius = 0.25 * i as f32;
+            let position = Vec3::new(radius * angle.cos(), 1.0 + (i % 3) as f32 * 0.5, radius * angle.sin());
+            PointLight { position, intensity: Vec3::new(1.0, 0.8, 0.5) * 5.0 * strength(i) }
+        })
+        .collect();
+    let triangles = (0..6).map(|i| {
+        let center = Vec3::new(i as f32 - 2.5, 3.0, (i % 2) as f32 - 1.0);
+        Primitive {
+            material: 1 + i as usize % 2,
+            // Counter-clockwise from below.
+            positions: vec![center, center + Vec3::X * 0.6, center + Vec3::Z * 0.7],
+            normals: vec![-Vec3::Y; 3],
+            indices: vec![0, 1, 2],
+            ..Primitive::default()
+        }
+    });
+    scene(triangles.collect(), vec![emitter(Vec3::splat(40.0)), emitter(Vec3::new(0.1, 0.5, 2.0))], lights)
+}
+
+/// Spots of unequal strength whose cones reach every pixel: all supports agree.
+pub fn spots() -> SceneDescription {
+    let spot = |i: i32| {
+        let (x, z) = ((i % 3) as f32 - 1.0, (i / 3) as f32 - 1.0);
+        SpotLight {
+            position: Vec3::new(2.0 * x, 2.5, 2.0 * z),
+            axis: Vec3::new(0.2 * z, -1.0, 0.1 * x).normalize(),
+            intensity: Vec3::new(0.3, 0.8, 1.0) * 3f32.powi(i % 4),
+            inner_angle: 0.1 * i as f32,
+            outer_angle: 1.35,
+        }
+    };
+    SceneDescription { spot_lights: (0..9).map(spot).collect(), ..scene(vec![], vec![], vec![]) }
+}
+
+pub fn suns() -> SceneDescription {
+    let sun = |i: i32| DirectionalLight {
+        direction: Vec3::new(i as f32 - 2.0, 2.0, (i % 2) as f32).normalize(),
+        illuminance: Vec3::new(1.0, 0.9, 0.7) * 4f32.powi(i % 3),
+    };
+    SceneDescription { directional_lights: (0..5).map(sun).collect(), ..scene(vec![], vec![], vec![]) }
+}
+
+/// A sky with a bright spot; black below the horizon, where no pixel could be lit from.
+pub fn sky() -> SceneDescription {
+    let size = UVec2::new(16, 8);
+    let radiance = |i: u32| match (i % 16, i / 16) {
+        (5, 2) => Vec3::new(300.0, 200.0, 100.0),
+        (x, y @ 0..4) => Vec3::new(1.0, 2.0, 3.0) * (1 + x % 3 + y) as f32,
+        _ => Vec3::ZERO,
+    };
+    let environment = Some(Environment { size, radiance: (0..128).map(radiance).collect() });
+    SceneDescription { environment, ..scene(vec![], vec![], vec![]) }
+}
+
+/// Every kind alone, and all of them together.
+pub fn kinds() -> Vec<(&'static str, SceneDescription)> {
+    let SceneDescription { spot_lights, .. } = spots();
+    let SceneDescription { directional_lights, .. } = suns();
+    let SceneDescription { environment, .. } = sky();
+    let together = SceneDescription { spot_lights, directional_lights, environment, ..many_lights() };
+    vec![("spots", spots()), ("suns", suns()), ("sky", sky()), ("together", together)]
 }

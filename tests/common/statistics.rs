@@ -38,3 +38,138 @@ pub fn largest_z(a: &[(f64, f64)], b: &[(f64, f64)]) -> (f64, usize) {
     };
     (0..a.len()).map(|i| (z(i), i)).fold((0.0, 0), |best, next| if next.0 > best.0 { next } else { best })
 }
+
+/// Per-pixel test of two pictures, each known from independent samples. See [`compare_pixels`].
+pub struct PixelTest {
+    /// Two-sided p-value of each pixel.
+    pub p_values: Vec<f64>,
+    /// Pixels whose p-value is below what Sidak's correction leaves of 1 % for all of them.
+    pub failing: usize,
+    /// Pixels in the largest 4-connected cluster of those.
+    pub largest_cluster: usize,
+    /// Median over the pixels of the first picture's standard deviation in units of its mean, and the 99 % quantile.
+    pub spread: [f64; 2],
+}
+
+impl PixelTest {
+    /// At least 99.75 % of the pixels pass, and no more than 6 that fail touch.
+    pub fn passes(&self) -> bool {
+        self.failing as f64 <= 0.0025 * self.p_values.len() as f64 && self.largest_cluster <= 6
+    }
+}
+
+/// Welch's t-test in each pixel of pictures `size` wide and high: have `samples` and `reference` (one picture's values a sample) the
+/// same mean?
+///
+/// It takes the samples of a pixel for independent and their mean for normal. The latter is false for few samples of a heavy tail,
+/// for which the test alarms too often; [`PixelTest::passes`] leaves room for it. How much is measured by
+/// `the_pixel_test_alarms_as_rarely_as_stated` in tests/pixels.rs.
+pub fn compare_pixels(samples: &[Vec<f64>], reference: &[Vec<f64>], size: UVec2) -> PixelTest {
+    let (a, b) = (mean_and_error(samples), mean_and_error(reference));
+    let degrees = [samples, reference].map(|s| s.len() as f64 - 1.0);
+    let p_values: Vec<f64> = a
+        .iter()
+        .zip(&b)
+        .map(|(&(x, sx), &(y, sy))| {
+            // Rounding of f32 radiance is no bias: 1e-5 of the value.
+            let rounding = 1e-5 * x.abs().max(y.abs());
+            let variance = sx * sx + sy * sy + rounding * rounding;
+            if variance == 0.0 {
+                return if x == y { 1.0 } else { 0.0 };
+            }
+            // Welch and Satterthwaite.
+            let df = variance * variance / (sx.powi(4) / degrees[0] + sy.powi(4) / degrees[1]);
+            student_p((x - y) / variance.sqrt(), df.clamp(1.0, 1e6))
+        })
+        .collect();
+    let limit = 1.0 - 0.99f64.powf(1.0 / p_values.len() as f64);
+    let fails: Vec<bool> = p_values.iter().map(|&p| p < limit).collect();
+    let mut spreads: Vec<f64> = a
+        .iter()
+        .filter(|(mean, _)| *mean > 0.0)
+        .map(|(mean, error)| error * (samples.len() as f64).sqrt() / mean)
+        .collect();
+    spreads.sort_by(f64::total_cmp);
+    let quantile =
+        |q: f64| spreads.get((q * (spreads.len().max(1) - 1) as f64) as usize).copied().unwrap_or(0.0);
+    PixelTest {
+        failing: fails.iter().filter(|&&f| f).count(),
+        largest_cluster: largest_cluster(&fails, size),
+        spread: [quantile(0.5), quantile(0.99)],
+        p_values,
+    }
+}
+
+/// Size of the largest 4-connected cluster of marked pixels.
+pub fn largest_cluster(marked: &[bool], size: UVec2) -> usize {
+    let mut left = marked.to_vec();
+    let mut largest = 0;
+    for start in 0..left.len() {
+        let (mut stack, mut count) = (vec![start], 0);
+        while let Some(i) = stack.pop() {
+            if !std::mem::take(&mut left[i]) {
+                continue;
+            }
+            count += 1;
+            let (x, width) = (i % size.x as usize, size.x as usize);
+            let neighbors =
+                [(x > 0, -1), (x + 1 < width, 1), (true, -(width as isize)), (true, width as isize)];
+            for (exists, step) in neighbors {
+                let place = i as isize + step;
+                if exists && (0..left.len() as isize).contains(&place) {
+                    stack.push(place as usize);
+                }
+            }
+        }
+        largest = largest.max(count);
+    }
+    largest
+}
+
+/// Probability that |T| >= |`t`| for Student's t with `df` degrees of freedom: I_x(df/2, 1/2) with x = df/(df + t²).
+pub fn student_p(t: f64, df: f64) -> f64 {
+    let x = df / (df + t * t);
+    let (a, b) = (0.5 * df, 0.5);
+    // The continued fraction of the incomplete beta function (DLMF 8.17.22) converges fast on one side of its mean.
+    if x < (a + 1.0) / (a + b + 2.0) { beta_fraction(x, a, b) } else { 1.0 - beta_fraction(1.0 - x, b, a) }
+}
+
+/// I_x(a, b), DLMF 8.17.22, by the modified Lentz method.
+fn beta_fraction(x: f64, a: f64, b: f64) -> f64 {
+    if x <= 0.0 {
+        return 0.0;
+    }
+    let front = (a * x.ln() + b * (-x).ln_1p() - ln_beta(a, b)).exp() / a;
+    let (mut c, mut d) = (1.0, 1.0 / (1.0 - (a + b) * x / (a + 1.0)));
+    let mut fraction = d;
+    for m in 1..500 {
+        let m = f64::from(m);
+        let even = m * (b - m) * x / ((a + 2.0 * m - 1.0) * (a + 2.0 * m));
+        let odd = -(a + m) * (a + b + m) * x / ((a + 2.0 * m) * (a + 2.0 * m + 1.0));
+        for term in [even, odd] {
+            d = 1.0 / (1.0 + term * d);
+            c = 1.0 + term / c;
+            fraction *= c * d;
+        }
+        if (c * d - 1.0).abs() < 1e-14 {
+            break;
+        }
+    }
+    front * fraction
+}
+
+fn ln_beta(a: f64, b: f64) -> f64 {
+    ln_gamma(a) + ln_gamma(b) - ln_gamma(a + b)
+}
+
+/// ln Γ(x) for x > 0: shifted up to where Stirling's series (DLMF 5.11.1) is exact to 1e-14.
+fn ln_gamma(x: f64) -> f64 {
+    let (mut x, mut shift) = (x, 0.0);
+    while x < 15.0 {
+        shift -= x.ln();
+        x += 1.0;
+    }
+    let r = 1.0 / (x * x);
+    let series = (1.0 / 12.0 - r * (1.0 / 360.0 - r * (1.0 / 1260.0 - r / 1680.0))) / x;
+    shift + (x - 0.5) * x.ln() - x + 0.5 * std::f64::consts::TAU.ln() + series
+}
