@@ -155,7 +155,6 @@ pub fn kinds() -> Vec<(&'static str, SceneDescription)> {
     let SceneDescription { directional_lights, .. } = suns();
     let SceneDescription { environment, .. } = sky();
     let together = SceneDescription { spot_lights, directional_lights, environment, ..many_lights() };
-<<<<<<< HEAD
     let triangles = SceneDescription { point_lights: vec![], ..many_lights() };
     let mut points = many_lights();
     points.meshes[0].primitives.truncate(1);
@@ -167,7 +166,4 @@ pub fn kinds() -> Vec<(&'static str, SceneDescription)> {
         ("sky", sky()),
         ("together", together),
     ]
-=======
-    vec![("spots", spots()), ("suns", suns()), ("sky", sky()), ("together", together)]
->>>>>>> proof
 }
