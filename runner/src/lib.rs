@@ -2,6 +2,7 @@
 
 pub mod cli;
 pub mod error;
+pub mod explain;
 pub mod exposure;
 pub mod frame;
 pub mod gpu_scene;

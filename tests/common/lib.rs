@@ -1,5 +1,6 @@
 //! What the tests share: a device, scenes with known answers, statistics, pictures of what went wrong.
 
+pub mod docs;
 pub mod failure;
 pub mod gpu;
 pub mod scenes;

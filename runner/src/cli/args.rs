@@ -36,6 +36,8 @@ pub enum Command {
     Sweep(SweepArgs),
     /// Write the report of a sweep again, or the tables of a page.
     Report(ReportArgs),
+    /// Replay one pixel of one frame on the CPU: each candidate, ray and weight, and whether the GPU agrees.
+    Explain(ExplainArgs),
     /// Write the project's own test scenes.
     #[command(hide = true)]
     Fixtures { directory: PathBuf },
@@ -203,6 +205,38 @@ pub struct ReportArgs {
     /// Fill the tables of this page from the folder's .json files.
     #[arg(long, value_name = "FILE")]
     pub markdown: Option<PathBuf>,
+}
+
+#[derive(Args, Clone, Debug)]
+pub struct ExplainArgs {
+    /// Column of the pixel, from the left, from 0.
+    pub x: u32,
+    /// Row of the pixel, from the top, from 0.
+    pub y: u32,
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// Width x height in pixels.
+    #[arg(long, default_value = "1280x720", value_parser = parse_size)]
+    pub size: UVec2,
+    /// As for `render`.
+    #[arg(long)]
+    pub camera: Option<String>,
+    /// As for `render`.
+    #[arg(long, default_value_t = 0)]
+    pub seed: u32,
+    /// Frames, as `render` counts them; the last one is explained.
+    #[arg(long, default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..))]
+    pub frames: u32,
+    /// Explain this frame instead, counted from 0.
+    #[arg(long, value_name = "F", conflicts_with = "frames")]
+    pub frame: Option<u32>,
+    #[command(flatten)]
+    pub device: DeviceArgs,
+    #[command(flatten)]
+    pub knobs: KnobArgs,
+    /// Print JSON, for scripts.
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// Every knob of the estimator: of `--settings`, changed by what else is said. See [`SettingsFile`].

@@ -2,6 +2,7 @@
 
 pub mod args;
 mod compare;
+mod explain;
 mod fixtures;
 mod info;
 mod output;
@@ -27,6 +28,7 @@ pub fn run(cli: Cli) -> Result<()> {
         Command::Compare(args) => compare::run(&args),
         Command::Sweep(args) => sweep::run(&args),
         Command::Report(args) => report::run(&args),
+        Command::Explain(args) => explain::run(&args),
         Command::Fixtures { directory } => fixtures::run(&directory),
     }
 }

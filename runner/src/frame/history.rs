@@ -77,6 +77,13 @@ impl History {
         self.target(self.rotation.last_reservoirs())
     }
 
+    /// A frame seen by `camera` was recorded; the one after it starts from `next`.
+    pub(super) fn advance(&mut self, camera: Camera, next: Rotation) {
+        self.rotation = next;
+        self.index += 1;
+        self.previous_camera = Some(camera);
+    }
+
     pub fn target(&self, id: BufferId) -> &Buffer {
         self.targets.get(id)
     }

@@ -3,7 +3,7 @@
 use super::history::History;
 use super::pass::{BufferId, Pass, Step, barriers};
 use super::pipelines::Pipelines;
-use super::schedule::{Work, looks, schedule};
+use super::schedule::{Rotation, Work, looks, schedule};
 use crate::error::{Error, Result};
 use crate::gpu_scene::GpuScene;
 use crate::vulkan::{Buffer, Device, Memory, PushSet, Timestamps, debug_label, memory_barrier};
@@ -28,6 +28,13 @@ pub struct FrameOptions {
     pub exposure: f32,
     /// Radiance of what lies behind the scene, nit.
     pub background: Vec3,
+}
+
+/// A frame before it is recorded.
+struct Plan {
+    constants: FrameConstants,
+    steps: Vec<Step>,
+    next: Rotation,
 }
 
 /// A scene with the pipelines that its frames need.
@@ -66,6 +73,10 @@ impl Recorder {
         })
     }
 
+    pub fn device(&self) -> &Device {
+        &self.device
+    }
+
     pub fn scene(&self) -> &GpuScene {
         &self.scene
     }
@@ -80,6 +91,41 @@ impl Recorder {
         options: &FrameOptions,
         timestamps: &mut Timestamps,
     ) -> Result<()> {
+        let plan = self.plan(history, camera, options)?;
+        self.record_constants(cmd, &plan.constants);
+        timestamps.begin(cmd);
+        let seen = Seen { history, reference: None };
+        self.record_steps(cmd, seen, &plan.constants.settings, &plan.steps, timestamps)?;
+        history.advance(camera, plan.next);
+        Ok(())
+    }
+
+    /// Renders the next frame of `history`, waits after each of its steps and shows it, with all that it read and wrote.
+    pub fn render_stepwise(
+        &mut self,
+        history: &mut History,
+        camera: Camera,
+        options: &FrameOptions,
+        mut see: impl FnMut(&History, &FrameConstants, &Step) -> Result<()>,
+    ) -> Result<()> {
+        let plan = self.plan(history, camera, options)?;
+        let mut timestamps = Timestamps::new(&self.device, 1)?;
+        for step in &plan.steps {
+            let (only, settings) = (std::slice::from_ref(step), &plan.constants.settings);
+            self.device.submit_once(step.pass.stem, |cmd| {
+                self.record_constants(cmd, &plan.constants);
+                timestamps.begin(cmd);
+                let seen = Seen { history, reference: None };
+                self.record_steps(cmd, seen, settings, only, &mut timestamps)
+            })?;
+            see(history, &plan.constants, step)?;
+        }
+        history.advance(camera, plan.next);
+        Ok(())
+    }
+
+    /// What the next frame consists of, its pipelines made.
+    fn plan(&mut self, history: &History, camera: Camera, options: &FrameOptions) -> Result<Plan> {
         let settings = match options.work {
             Work::Restir(settings) => settings,
             Work::Reference { .. } | Work::ReferenceSlice { .. } => {
@@ -107,13 +153,7 @@ impl Recorder {
         for step in &steps {
             self.pipelines.prepare(step.pass)?;
         }
-        self.record_constants(cmd, &constants);
-        timestamps.begin(cmd);
-        self.record_steps(cmd, Seen { history, reference: None }, &settings, &steps, timestamps)?;
-        history.rotation = next;
-        history.index += 1;
-        history.previous_camera = Some(camera);
-        Ok(())
+        Ok(Plan { constants, steps, next })
     }
 
     /// Records passes that look at the frame of `history` that was recorded just before, and at the mean of `reference`.

@@ -62,6 +62,11 @@ impl Renderer {
         self.timestamps.read()
     }
 
+    /// What renders, and what it has rendered so far.
+    pub fn parts(&mut self) -> (&mut Recorder, &mut History) {
+        (&mut self.recorder, &mut self.history)
+    }
+
     /// Radiance of the last frame: nit, linear RGB, rows from the top.
     pub fn radiance(&self) -> Result<Vec<Vec3>> {
         self.history.radiance()

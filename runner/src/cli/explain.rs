@@ -1,0 +1,44 @@
+//! `candela explain X Y`: how one pixel of one frame came to be.
+
+use super::args::ExplainArgs;
+use super::{output, progress, view};
+use crate::error::{Error, Result};
+use crate::explain::{World, check_pixel, next_frame};
+use crate::frame::renderer::{FrameOptions, Renderer};
+use crate::frame::schedule::Work;
+use crate::gpu_scene::GpuScene;
+use crate::vulkan::Device;
+use glam::{UVec2, Vec3};
+
+pub fn run(args: &ExplainArgs) -> Result<()> {
+    let pixel = UVec2::new(args.x, args.y);
+    check_pixel(pixel, args.size)?;
+    let knobs = args.knobs.document()?;
+    let scene = view::load_scene(&args.scene)?;
+    let camera = view::shared_camera(&view::scene_camera(&scene, args.camera.as_deref())?, args.size);
+    let world = World::new(&scene)?;
+    let device = Device::new(&args.device.options())?;
+    let gpu_scene = GpuScene::new(&device, &scene)?;
+    let settings = knobs.settings(gpu_scene.light_count());
+    let mut renderer = Renderer::new(&device, gpu_scene, args.size, settings.reservoirs)?;
+    let options =
+        FrameOptions { work: Work::Restir(settings), seed: args.seed, exposure: 1.0, background: Vec3::ZERO };
+
+    let before = args.frame.unwrap_or(args.frames - 1);
+    let bar = progress::bar(before.into(), "frames before");
+    for _ in 0..before {
+        renderer.render(camera, &options)?;
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    let (recorder, history) = renderer.parts();
+    let explanation = next_frame(recorder, history, &world, camera, &options, pixel)?;
+    if args.json {
+        let json = serde_json::to_string_pretty(&explanation)
+            .map_err(|e| Error::Usage(format!("the explanation can't be written as JSON: {e}")))?;
+        println!("{json}");
+    } else {
+        print!("{explanation}");
+    }
+    output::check_validation(&device)
+}

@@ -1,0 +1,498 @@
+//! The passes of one pixel on the CPU, each from the GPU's own input, by the steps of the functions that the shaders run.
+
+use super::World;
+use super::compare::{Difference, ROUNDING_ULPS, ulps};
+use super::record::{Candidate, Merged, Neighbor, PassReport, Ray, Shading, Survivor, Tile};
+use glam::{UVec2, UVec4, Vec3};
+use shared::alpha::{self, SURE_HITS_ONLY};
+use shared::frame::{FrameConstants, mode};
+use shared::light::LightTable;
+use shared::light::tile::{self, TILE_SIZE, Tiles};
+use shared::math::safe_ratio;
+use shared::resampling::pairwise::{Pairwise, Weighed};
+use shared::resampling::{
+    CrossProposal, Pixels, initial, is_similar_distance, is_similar_normal, reservoir_index, spatial,
+    target_of, temporal,
+};
+use shared::reservoir::{Reservoir, StoredReservoir};
+use shared::rng::{Rng, Stream, unit_f32};
+use shared::shading;
+use shared::shadow::ShadowRay;
+use shared::surface::{GBufferTexel, Surface};
+
+/// The pixel to replay, and what all of its passes share.
+pub struct Replay<'a> {
+    pub world: &'a World<'a>,
+    pub frame: FrameConstants,
+    pub pixel: UVec2,
+    pub surface: Surface,
+    /// Of the whole frame.
+    pub gbuffer: &'a [GBufferTexel],
+}
+
+/// A pass as the estimator's own function has it, and what the lines of the report come to.
+struct Replayed {
+    report: PassReport,
+    result: StoredReservoir,
+    lines: StoredReservoir,
+}
+
+impl Replayed {
+    /// `lines` before the survivor's ray said whether it is `visible`.
+    fn new(report: PassReport, result: StoredReservoir, lines: StoredReservoir, visible: bool) -> Self {
+        Replayed { report, result, lines: if visible { lines } else { lines.occluded() } }
+    }
+
+    /// A merge by 1/M.
+    fn uniform(mut report: PassReport, result: StoredReservoir, merged: Reservoir) -> Self {
+        let others = report.others.iter_mut().filter_map(|other| other.merged.as_mut());
+        for one in report.canonical.iter_mut().chain(others) {
+            one.mis_weight = safe_ratio(one.reservoir.confidence, merged.confidence);
+        }
+        Replayed { report, result, lines: merged.finish(merged.confidence) }
+    }
+}
+
+/// Answers the rays of a pass, on the CPU; `flips` turns the answers of those whose bit is set.
+struct Rays<'a> {
+    world: &'a World<'a>,
+    flips: u32,
+    asked: Vec<Ray>,
+}
+
+impl Rays<'_> {
+    fn ask(&mut self, purpose: &'static str, ray: ShadowRay, key: u32) -> bool {
+        let blocker = self.world.occluders.blocker(ray, key);
+        let flip = self.flips >> self.asked.len() & 1 != 0;
+        let visible = blocker.is_none();
+        self.asked.push(Ray {
+            purpose,
+            origin: ray.origin.to_array(),
+            direction: ray.direction.to_array(),
+            visible,
+            blocker,
+            gpu_disagrees: flip,
+        });
+        visible != flip
+    }
+}
+
+/// The first replay whose result is the GPU's but for rounding, trying the CPU's answers to its rays before others.
+fn explain<T>(
+    world: &World<'_>,
+    replay: impl Fn(&mut Rays<'_>) -> T,
+    agrees: impl Fn(&T) -> bool,
+) -> (T, Vec<Ray>) {
+    let attempt = |flips| {
+        let mut rays = Rays { world, flips, asked: Vec::new() };
+        (replay(&mut rays), rays.asked)
+    };
+    let (first, rays) = attempt(0);
+    if agrees(&first) {
+        return (first, rays);
+    }
+    // A flip may add a ray: one bit more than were asked.
+    let others = (1..2u32 << rays.len()).map(attempt);
+    let agreeing = others.into_iter().find(|(report, _)| agrees(report));
+    agreeing.unwrap_or((first, rays))
+}
+
+impl Replay<'_> {
+    fn lights(&self) -> LightTable<'_> {
+        self.world.light_table()
+    }
+
+    fn rng(&self, stream: Stream, lane: u32) -> Rng {
+        Rng::new(self.pixel, self.frame.index, self.frame.seed, stream, lane)
+    }
+
+    fn at(&self, reservoirs: &[StoredReservoir], lane: u32) -> StoredReservoir {
+        reservoirs[reservoir_index(&self.frame, self.pixel, lane) as usize]
+    }
+
+    fn survivor(&self, reservoir: StoredReservoir) -> Survivor {
+        let light = (reservoir.contribution_weight > 0.0).then_some(reservoir.sample.light);
+        Survivor {
+            light,
+            kind: light.map_or("", |light| self.world.kind(light)),
+            uv: reservoir.sample.uv,
+            contribution_weight: reservoir.contribution_weight,
+            confidence: reservoir.confidence,
+        }
+    }
+
+    /// Completes the report of a pass.
+    fn report(&self, gpu: StoredReservoir, replay: impl Fn(&mut Rays<'_>) -> Replayed) -> PassReport {
+        let agrees = |replayed: &Replayed| Difference::new(replayed.result, gpu).is_rounding();
+        let (replayed, rays) = explain(self.world, replay, agrees);
+        PassReport {
+            rays,
+            cpu: self.survivor(replayed.result),
+            gpu: self.survivor(gpu),
+            difference: Difference::new(replayed.result, gpu),
+            consistent: replayed.result == replayed.lines,
+            ..replayed.report
+        }
+    }
+
+    /// Does the ray of visibility reuse reach the finished survivor? True where the pass does not ask.
+    fn is_seen(&self, proposal: &initial::Proposal, asks: bool, rays: &mut Rays<'_>) -> bool {
+        !asks
+            || proposal.is_dark()
+            || rays.ask("from this pixel to the survivor", proposal.ray, SURE_HITS_ONLY)
+    }
+
+    /// `gpu`: what the pass ended with, all pixels. `tiles`: those of the frame, if it has any.
+    pub fn initial(
+        &self,
+        pass: &'static str,
+        lane: u32,
+        tiles: Option<Tiles<'_>>,
+        gpu: &[StoredReservoir],
+    ) -> PassReport {
+        self.report(self.at(gpu, lane), |rays| {
+            let rng = self.rng(Stream::Initial, lane);
+            let (lights, candidates) = (self.lights(), self.frame.settings.candidates);
+            let (lines, tile, finished) = match tiles {
+                Some(tiles) => self.tile_candidates(tiles, lane, rng),
+                None => self.candidates(rng),
+            };
+            let proposal = match tiles {
+                Some(tiles) => {
+                    let tile = tile::tile_of(&self.frame, self.pixel, lane);
+                    initial::propose_from_tile(
+                        &self.surface,
+                        lights,
+                        tiles,
+                        tile,
+                        candidates,
+                        &mut rng.clone(),
+                    )
+                }
+                None => initial::propose(&self.surface, lights, candidates, &mut rng.clone()),
+            };
+            let visible = self.is_seen(&proposal, self.frame.settings.visibility_reuse != 0, rays);
+            let report = PassReport { pass, reservoir: lane, tile, candidates: lines, ..Default::default() };
+            Replayed::new(report, initial::accept(proposal, visible), finished, visible)
+        })
+    }
+
+    fn candidates(&self, mut rng: Rng) -> (Vec<Candidate>, Option<Tile>, StoredReservoir) {
+        let mut reservoir = Reservoir::default();
+        let lines = (0..self.frame.settings.candidates)
+            .map(|_| self.compete(initial::candidate(&self.surface, self.lights(), &mut rng), &mut reservoir))
+            .collect();
+        (lines, None, reservoir.finish(reservoir.confidence))
+    }
+
+    fn tile_candidates(
+        &self,
+        tiles: Tiles<'_>,
+        lane: u32,
+        mut rng: Rng,
+    ) -> (Vec<Candidate>, Option<Tile>, StoredReservoir) {
+        let tile = tile::tile_of(&self.frame, self.pixel, lane);
+        let (mut reservoir, mut random, mut equal_entries) = (Reservoir::default(), UVec4::ZERO, 0);
+        let mut lines = Vec::new();
+        for i in 0..self.frame.settings.candidates {
+            random = initial::numbers_from_tile(i, random, &mut rng);
+            let candidate = initial::candidate_from_tile(&self.surface, self.lights(), tiles, tile, random);
+            let place = candidate.sample.uv;
+            let (entry, point) = tile::presample(self.lights(), tile, place % TILE_SIZE, &self.frame);
+            let same = entry.light() == candidate.sample.light && point == tiles.points[place as usize];
+            equal_entries += u32::from(same);
+            lines.push(self.compete(candidate, &mut reservoir));
+        }
+        let mut finished = reservoir.finish(reservoir.confidence);
+        if finished.contribution_weight > 0.0 {
+            finished.sample.uv = tiles.points[finished.sample.uv as usize];
+        }
+        (lines, Some(Tile { tile, equal_entries }), finished)
+    }
+
+    fn compete(&self, candidate: initial::Candidate, reservoir: &mut Reservoir) -> Candidate {
+        let chosen = candidate.compete(reservoir);
+        Candidate {
+            light: candidate.sample.light,
+            kind: self.world.kind(candidate.sample.light),
+            source_pdf: candidate.source_pdf.0,
+            target: candidate.target,
+            weight: candidate.weight(),
+            weight_sum: reservoir.weight_sum,
+            chosen,
+        }
+    }
+
+    /// `current`: all reservoirs before the pass.
+    pub fn temporal(
+        &self,
+        pass: &'static str,
+        lane: u32,
+        current: &[StoredReservoir],
+        previous: Pixels<'_>,
+        gpu: &[StoredReservoir],
+    ) -> PassReport {
+        let current = self.at(current, lane);
+        let place = temporal::previous_place(&self.frame, &self.surface);
+        let mut history = Neighbor {
+            pixel: place.map(|place| place.pixel.to_array()),
+            rejected: self.rejected_history(place, previous),
+            ..Default::default()
+        };
+        let report = PassReport { pass, reservoir: lane, ..Default::default() };
+        let (Some(place), None) = (place, history.rejected) else {
+            history.rejected = history.rejected.or(Some("outside the previous picture, or the first frame"));
+            let report = PassReport { canonical: Some(self.alone(current)), others: vec![history], ..report };
+            return self.report(self.at(gpu, lane), |_| {
+                Replayed::new(report.clone(), self.without_history(current, previous, lane), current, true)
+            });
+        };
+        self.report(self.at(gpu, lane), |rays| {
+            let report = PassReport { others: vec![history.clone()], ..report.clone() };
+            match self.frame.settings.mode {
+                mode::BIASED => self.temporal_biased(report, current, previous, place.pixel, lane),
+                _ => self.temporal_unbiased(report, current, previous, lane, rays),
+            }
+        })
+    }
+
+    /// What the pass makes of a reservoir without history.
+    fn without_history(&self, current: StoredReservoir, previous: Pixels<'_>, lane: u32) -> StoredReservoir {
+        let (frame, lights, surface) = (&self.frame, self.lights(), &self.surface);
+        if frame.settings.mode == mode::BIASED {
+            let mut rng = self.rng(Stream::Temporal, lane);
+            return temporal::biased(frame, lights, surface, current, previous, lane, &mut rng);
+        }
+        let proposal = temporal::propose(frame, lights, surface, current, previous, lane);
+        if proposal.is_none() { current } else { StoredReservoir::default() }
+    }
+
+    fn rejected_history(&self, place: Option<temporal::Place>, previous: Pixels<'_>) -> Option<&'static str> {
+        let place = place?;
+        let texel = previous.gbuffer[self.frame.pixel_index(place.pixel) as usize];
+        self.unlike(place.distance, &texel).or_else(|| {
+            (!temporal::is_similar_albedo(&self.surface, &texel)).then_some("its albedo differs too much")
+        })
+    }
+
+    /// Why `texel` does not hold a surface like the pixel's own, at `distance` from its camera.
+    fn unlike(&self, distance: f32, texel: &GBufferTexel) -> Option<&'static str> {
+        if texel.is_empty() {
+            Some("it sees no surface")
+        } else if !is_similar_distance(&self.frame.settings, distance, texel) {
+            Some("its distance differs too much")
+        } else if !is_similar_normal(&self.frame.settings, self.surface.normal, texel) {
+            Some("its normal differs too much")
+        } else {
+            None
+        }
+    }
+
+    fn temporal_biased(
+        &self,
+        mut report: PassReport,
+        current: StoredReservoir,
+        previous: Pixels<'_>,
+        pixel: UVec2,
+        lane: u32,
+    ) -> Replayed {
+        let mut rng = self.rng(Stream::Temporal, lane);
+        let (frame, lights, surface) = (&self.frame, self.lights(), &self.surface);
+        let result = temporal::biased(frame, lights, surface, current, previous, lane, &mut rng.clone());
+        let random = rng.next_u32x4();
+        let mut merged = Reservoir::default();
+        report.canonical = Some(self.merge(&mut merged, current, unit_f32(random.x)));
+        let history = temporal::capped_history(frame, current, previous, pixel, lane);
+        report.others[0].merged = Some(self.merge(&mut merged, history, unit_f32(random.y)));
+        Replayed::uniform(report, result, merged)
+    }
+
+    fn temporal_unbiased(
+        &self,
+        mut report: PassReport,
+        current: StoredReservoir,
+        previous: Pixels<'_>,
+        lane: u32,
+        rays: &mut Rays<'_>,
+    ) -> Replayed {
+        let (lights, surface) = (self.lights(), &self.surface);
+        let proposal = temporal::propose(&self.frame, lights, surface, current, previous, lane);
+        let Some(proposal) = proposal else {
+            return Replayed::new(report, current, StoredReservoir::default(), true);
+        };
+        let asks = self.frame.settings.visibility_is_known();
+        let seen = !asks
+            || proposal.is_dark()
+            || rays.ask("from the history's pixel to the current sample", proposal.ray, SURE_HITS_ONLY);
+        let mut rng = self.rng(Stream::Temporal, lane);
+        let finished = temporal::accept(lights, surface, current, proposal, seen, &mut rng.clone());
+        let visible = self.is_seen(&finished, asks, rays);
+
+        let random = rng.next_u32x4();
+        let mut merge = temporal::begin(lights, surface, current, proposal);
+        let weighed = merge.add(proposal.neighbor, proposal.seen(seen), unit_f32(random.x));
+        self.cross(&mut report.others[0], &proposal, weighed);
+        let lines = self.end_with_canonical(&mut report, &mut merge, current, unit_f32(random.y));
+        Replayed::new(report, initial::accept(finished, visible), lines, visible)
+    }
+
+    /// `pixels`: the reservoirs before the pass.
+    pub fn spatial(
+        &self,
+        pass: &'static str,
+        iteration: u32,
+        lane: u32,
+        reservoirs: &[StoredReservoir],
+        gpu: &[StoredReservoir],
+    ) -> PassReport {
+        let pixels = Pixels { gbuffer: self.gbuffer, reservoirs };
+        self.report(self.at(gpu, lane), |rays| {
+            let report = PassReport { pass, iteration, reservoir: lane, ..Default::default() };
+            match self.frame.settings.mode {
+                mode::BIASED => self.spatial_biased(report, pixels),
+                _ => self.spatial_unbiased(report, pixels, rays),
+            }
+        })
+    }
+
+    fn spatial_rng(&self, report: &PassReport) -> Rng {
+        self.rng(Stream::Spatial, report.reservoir + self.frame.settings.reservoirs * report.iteration)
+    }
+
+    /// The next neighbor, whether it is merged, and its two numbers.
+    fn next_neighbor(&self, rng: &mut Rng) -> (Neighbor, Option<UVec2>, [f32; 2]) {
+        let (place, numbers) = spatial::draw_neighbor(&self.frame, self.pixel, rng);
+        let Some(place) = place else {
+            let rejected = Some("outside the picture, or the pixel itself");
+            return (Neighbor { rejected, ..Default::default() }, None, numbers);
+        };
+        let texel = self.gbuffer[self.frame.pixel_index(place) as usize];
+        let rejected = self.unlike(self.surface.distance, &texel);
+        let neighbor = Neighbor { pixel: Some(place.to_array()), rejected, ..Default::default() };
+        (neighbor, rejected.is_none().then_some(place), numbers)
+    }
+
+    fn spatial_biased(&self, mut report: PassReport, pixels: Pixels<'_>) -> Replayed {
+        let (lane, mut rng) = (report.reservoir, self.spatial_rng(&report));
+        let (frame, lights, surface) = (&self.frame, self.lights(), &self.surface);
+        let result = spatial::biased(frame, lights, surface, pixels, self.pixel, lane, &mut rng.clone());
+        let mut merged = Reservoir::default();
+        let canonical = self.at(pixels.reservoirs, lane);
+        report.canonical = Some(self.merge(&mut merged, canonical, rng.next_f32()));
+        for _ in 0..frame.settings.neighbors {
+            let (mut neighbor, place, [u, _]) = self.next_neighbor(&mut rng);
+            neighbor.merged = place.map(|place| {
+                let reservoir = pixels.reservoirs[reservoir_index(frame, place, lane) as usize];
+                self.merge(&mut merged, reservoir, u)
+            });
+            report.others.push(neighbor);
+        }
+        Replayed::uniform(report, result, merged)
+    }
+
+    fn spatial_unbiased(&self, mut report: PassReport, pixels: Pixels<'_>, rays: &mut Rays<'_>) -> Replayed {
+        let (lane, mut rng) = (report.reservoir, self.spatial_rng(&report));
+        let (frame, lights, surface) = (&self.frame, self.lights(), &self.surface);
+        let asks = frame.settings.visibility_is_known();
+        let mut whole = rng;
+        let proposal = spatial::propose(frame, lights, surface, pixels, self.pixel, lane, &mut whole);
+        let seen = !asks
+            || proposal.is_certain()
+            || rays.ask("from the drawn neighbor to this pixel's sample", proposal.ray, SURE_HITS_ONLY);
+        let finished = spatial::accept(surface, lights, proposal, seen, &mut whole);
+        let visible = self.is_seen(&finished, asks, rays);
+
+        let canonical = self.at(pixels.reservoirs, lane);
+        let others = spatial::confidence_of_neighbors(frame, surface, pixels, self.pixel, lane, rng);
+        let mut lines = spatial::Proposal::new(surface, lights, canonical, others);
+        for _ in 0..frame.settings.neighbors {
+            let (mut neighbor, place, [u, lot]) = self.next_neighbor(&mut rng);
+            if let Some(place) = place {
+                let cross = spatial::cross(frame, lights, surface, canonical, pixels, place, lane);
+                let added = lines.add(cross, u, lot);
+                self.cross(&mut neighbor, &cross, added.weighed);
+                (neighbor.doubt, neighbor.asked) = (Some(added.doubt), added.asked);
+            }
+            report.others.push(neighbor);
+        }
+        let lines =
+            self.end_with_canonical(&mut report, &mut lines.resolved(seen), canonical, rng.next_f32());
+        Replayed::new(report, initial::accept(finished, visible), lines, visible)
+    }
+
+    /// A reservoir that is merged with nothing.
+    fn alone(&self, reservoir: StoredReservoir) -> Merged {
+        let target = target_of(&self.surface, self.lights(), reservoir);
+        let weight = target * reservoir.contribution_weight;
+        Merged { reservoir: self.survivor(reservoir), target, mis_weight: 1.0, weight, chosen: true }
+    }
+
+    /// Merges by 1/M; the MIS weight is known at the end.
+    fn merge(&self, merged: &mut Reservoir, reservoir: StoredReservoir, u: f32) -> Merged {
+        let target = target_of(&self.surface, self.lights(), reservoir);
+        Merged {
+            reservoir: self.survivor(reservoir),
+            target,
+            mis_weight: 0.0,
+            weight: reservoir.merged_weight(target),
+            chosen: merged.merge(reservoir, target, u),
+        }
+    }
+
+    fn cross(&self, neighbor: &mut Neighbor, cross: &CrossProposal, weighed: Weighed) {
+        neighbor.target_there = Some(cross.targets.neighbor_at_neighbor);
+        neighbor.canonical_there = Some(cross.targets.canonical_at_neighbor);
+        let target = cross.targets.neighbor_at_canonical;
+        neighbor.merged = Some(self.weighed(cross.neighbor, target, weighed));
+    }
+
+    fn weighed(&self, reservoir: StoredReservoir, target: f32, weighed: Weighed) -> Merged {
+        let Weighed { mis_weight, weight, survives } = weighed;
+        Merged { reservoir: self.survivor(reservoir), target, mis_weight, weight, chosen: survives }
+    }
+
+    fn end_with_canonical(
+        &self,
+        report: &mut PassReport,
+        merge: &mut Pairwise,
+        canonical: StoredReservoir,
+        u: f32,
+    ) -> StoredReservoir {
+        let weighed = merge.add_canonical(u);
+        let target = target_of(&self.surface, self.lights(), canonical);
+        report.canonical = Some(self.weighed(canonical, target, weighed));
+        merge.merged().finish(1.0)
+    }
+
+    /// `emission`: radiance before the pass. `gpu`: after it.
+    pub fn shade(&self, reservoirs: &[StoredReservoir], emission: Vec3, gpu: Vec3) -> Shading {
+        let difference = |cpu: Vec3| [0, 1, 2].map(|i| ulps(cpu[i], gpu[i]));
+        let replay = |rays: &mut Rays<'_>| self.average(reservoirs, rays);
+        let agrees =
+            |(_, lit): &(Vec<Vec3>, Vec3)| difference(emission + *lit).iter().all(|&u| u <= ROUNDING_ULPS);
+        let ((contributions, lit), rays) = explain(self.world, replay, agrees);
+        let cpu = emission + lit;
+        Shading {
+            contributions: contributions.iter().map(Vec3::to_array).collect(),
+            rays,
+            cpu: cpu.to_array(),
+            ulps: difference(cpu),
+        }
+    }
+
+    /// What each reservoir contributes, and their mean.
+    fn average(&self, reservoirs: &[StoredReservoir], rays: &mut Rays<'_>) -> (Vec<Vec3>, Vec3) {
+        let known = !self.frame.settings.shading_needs_rays(self.world.features());
+        let mut rng = self.rng(Stream::Shade, 0);
+        let (mut average, mut contributions) = (shading::Average::default(), Vec::new());
+        for lane in 0..self.frame.settings.reservoirs {
+            let proposal = shading::propose(&self.surface, self.lights(), self.at(reservoirs, lane));
+            let key = alpha::key(rng.next_u32x4().x);
+            let visible = !proposal.is_dark()
+                && (known || rays.ask("from this pixel to the survivor", proposal.ray, key));
+            average.add(proposal, visible);
+            contributions.push(if visible { proposal.radiance } else { Vec3::ZERO });
+        }
+        (contributions, average.radiance())
+    }
+}

@@ -1,0 +1,42 @@
+//! The pages say what is there: the code that they name, and the files that they link to.
+
+use std::fs;
+use tests::docs::{code_spans, dangling_links, dangling_names, pages, workspace};
+
+#[test]
+fn pages_name_code_that_exists() {
+    let page = fs::read_to_string(workspace().join("docs/algorithm.md")).unwrap();
+    let names = code_spans(&page).iter().filter(|span| span.contains("::")).count();
+    assert!(names >= 60, "{names} names are few for a page that ties each equation to a function and a test");
+    for page in ["docs/algorithm.md", "docs/accuracy.md"] {
+        // A page that is not written yet names nothing.
+        let Ok(text) = fs::read_to_string(workspace().join(page)) else { continue };
+        let dangling = dangling_names(&text);
+        assert!(dangling.is_empty(), "{page} names what is not there: {dangling:?}");
+    }
+}
+
+/// Negative control: each kind of wrong name is seen, each kind of right one is not.
+#[test]
+fn wrong_names_are_seen() {
+    let right = "`reservoir::Reservoir::add` `light::tile::presample` `light::tests::power_is_flux` `math::safe_ratio`
+        `reservoir::tests::survivors_follow_their_weights` `tests/statistics.rs::a_planted_bias_is_seen` `light::kind::POINT`
+        `resampling::spatial::propose` `spatial::propose` `not a path` `f32`";
+    assert_eq!(dangling_names(right), Vec::<String>::new());
+    let wrong = "`reservoir::Reservoir::gone` `light::tile::gone` `gone::add` `reservoir::Gone::add` `tests/gone.rs::add`
+        `tests/statistics.rs::gone` `reservoir::gone::add`";
+    assert_eq!(dangling_names(wrong).len(), 7, "{:?}", dangling_names(wrong));
+}
+
+#[test]
+fn links_lead_somewhere() {
+    let pages = pages();
+    assert!(pages.len() >= 5, "{pages:?}");
+    for path in pages {
+        let dangling = dangling_links(&path, &fs::read_to_string(&path).unwrap());
+        assert!(dangling.is_empty(), "{}: {dangling:?}", path.display());
+    }
+    let here = workspace().join("README.md");
+    let page = "[a](docs) [b](gone.md) [c](https://example.org) [d](#above) [e](docs/gone.md#there)";
+    assert_eq!(dangling_links(&here, page), ["gone.md", "docs/gone.md#there"]);
+}

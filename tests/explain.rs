@@ -1,0 +1,207 @@
+//! `candela explain`: the CPU's replay of single pixels comes to what the GPU computed, and says so when it does not.
+
+use candela::cli::{self, args::Cli};
+use candela::explain::record::{Merged, PassReport};
+use candela::explain::{Explanation, World, next_frame};
+use candela::frame::renderer::{FrameOptions, Renderer};
+use candela::frame::schedule::Work;
+use candela::scene::{AlphaMode, Material, PointLight, Primitive, SceneDescription};
+use candela::vulkan::Device;
+use clap::Parser;
+use glam::{UVec2, Vec3, Vec4};
+use shared::camera::Camera;
+use shared::frame::{Settings, mode};
+use tests::gpu::{assert_no_validation_messages, device, renderer};
+use tests::scenes::{camera, emitter, scene, square};
+
+const SIZE: UVec2 = UVec2::new(48, 32);
+/// Shadow edges, penumbrae, open floor, the top of a screen.
+const PIXELS: [UVec2; 6] = [
+    UVec2::new(24, 16),
+    UVec2::new(17, 11),
+    UVec2::new(30, 20),
+    UVec2::new(5, 27),
+    UVec2::new(40, 8),
+    UVec2::new(22, 23),
+];
+/// lavapipe divides and takes roots as the CPU does; it fuses some multiplications with additions and has its own sine, cosine
+/// and powers of two. 2 ulp were seen at most; weights are single-signed sums and products, so half an ulp each does not grow.
+const ULPS: u64 = 8;
+
+/// Point lights and emitters over the floor, screens in between, one of them half transparent.
+fn lit_screens() -> SceneDescription {
+    let point = |i: i32| {
+        let angle = i as f32 * 2.4;
+        let position =
+            Vec3::new(angle.cos() * 0.3 * i as f32, 1.0 + (i % 3) as f32, angle.sin() * 0.3 * i as f32);
+        PointLight { position, intensity: Vec3::new(1.0, 0.8, 0.5) * 4f32.powi(i % 4) }
+    };
+    let emitters = (0..3).map(|i| {
+        let center = Vec3::new(i as f32 - 1.0, 2.5, 0.3 * i as f32);
+        Primitive {
+            material: 1,
+            positions: vec![center, center + Vec3::X * 0.5, center + Vec3::Z * 0.6],
+            normals: vec![-Vec3::Y; 3],
+            indices: vec![0, 1, 2],
+            ..Primitive::default()
+        }
+    });
+    let screens = [(-0.8, 0.6, 0.2, 0), (0.7, 0.4, 0.5, 2), (0.1, 0.8, -0.9, 3)]
+        .map(|(x, y, z, material)| square(Vec3::new(x, y, z), Vec3::Z * 0.45, Vec3::X * 0.45, material));
+    let glass = Material {
+        base_color: Vec4::new(0.5, 0.5, 0.9, 0.5),
+        alpha: AlphaMode::Blend,
+        name: "glass".into(),
+        ..Material::default()
+    };
+    let mesh = Material { alpha: AlphaMode::Mask { cutoff: 0.3 }, name: "mesh".into(), ..glass.clone() };
+    scene(
+        emitters.chain(screens).collect(),
+        vec![emitter(Vec3::new(20.0, 30.0, 40.0)), glass, mesh],
+        (0..12).map(point).collect(),
+    )
+}
+
+fn cases() -> Vec<(&'static str, Settings)> {
+    let base = Settings { candidates: 8, radius: 6.0, reservoirs: 2, ..Settings::default() };
+    let unbiased = Settings { mode: mode::UNBIASED, ..base };
+    vec![
+        ("biased", base),
+        ("biased, tiles", Settings { tiles: 1, ..base }),
+        ("unbiased", unbiased),
+        ("unbiased, tiles", Settings { tiles: 1, ..unbiased }),
+        ("unbiased, no visibility reuse", Settings { visibility_reuse: 0, ..unbiased }),
+    ]
+}
+
+fn lit_renderer(device: &Device) -> Renderer {
+    renderer(device, &lit_screens(), SIZE, 2)
+}
+
+/// Explains frame 2 of the scene at each of `pixels`; `told` is what the replay takes for the scene.
+fn explain(
+    renderer: &mut Renderer,
+    told: &SceneDescription,
+    settings: Settings,
+    camera: Camera,
+    pixels: &[UVec2],
+) -> Vec<Explanation> {
+    let world = World::new(told).expect("the scene fits");
+    let options =
+        FrameOptions { work: Work::Restir(settings), seed: 5, exposure: 1.0, background: Vec3::ZERO };
+    let explanations = pixels.iter().map(|&pixel| {
+        renderer.restart();
+        for _ in 0..2 {
+            renderer.render(camera, &options).expect("the frame renders");
+        }
+        let (recorder, history) = renderer.parts();
+        next_frame(recorder, history, &world, camera, &options, pixel).expect("the frame is explained")
+    });
+    explanations.collect()
+}
+
+#[test]
+fn the_replay_comes_to_the_gpus_result() {
+    let Some(device) = device() else { return };
+    let mut renderer = lit_renderer(&device);
+    for (name, settings) in cases() {
+        let explanations = explain(&mut renderer, &lit_screens(), settings, camera(SIZE), &PIXELS);
+        for e in &explanations {
+            println!("{name}, {:?}: {}", e.pixel, e.verdict());
+            assert_same(name, e);
+        }
+        if name == "unbiased" {
+            assert_telling(&explanations);
+        }
+    }
+    assert_no_validation_messages(&device);
+}
+
+/// Same survivors, the same numbers but for `ULPS`, by lines that follow the estimator.
+fn assert_same(name: &str, e: &Explanation) {
+    // Two reservoirs: initial, temporal, two times spatial.
+    assert_eq!(e.passes.len(), 8, "{name}");
+    assert!(e.shading.is_some() && e.radiance.iter().all(|c| c.is_finite()));
+    assert_eq!(e.disagreeing_rays(), 0, "{name}:\n{e}");
+    for pass in &e.passes {
+        assert!(pass.consistent, "{name}: {} does not follow the estimator\n{e}", pass.pass);
+        assert_eq!(pass.cpu.light, pass.gpu.light, "{name}:\n{e}");
+        assert!(pass.difference.is_rounding(), "{name}:\n{e}");
+        if let Some(tile) = &pass.tile {
+            assert_eq!(tile.equal_entries, 8, "{name}:\n{e}");
+        }
+    }
+    assert!(e.is_explained() && e.worst_ulps() <= ULPS, "{name}: {} ulp\n{e}", e.worst_ulps());
+    let distance_ulps = e.surface.as_ref().and_then(|surface| surface.distance_ulps);
+    assert!(distance_ulps.is_some_and(|ulps| ulps <= ULPS), "{name}:\n{e}");
+}
+
+/// All that a frame does is told, as text and as JSON.
+fn assert_telling(explanations: &[Explanation]) {
+    let all = explanations.iter().map(Explanation::to_string).collect::<Vec<_>>().join("\n");
+    for word in [
+        "initial, reservoir 1",
+        "spatial_unbiased 1",
+        "not merged",
+        "hidden at t",
+        "material 'glass'",
+        "visible",
+        "p̂",
+        " ?",
+    ] {
+        assert!(all.contains(word), "no '{word}' in\n{all}");
+    }
+    let passes = || explanations.iter().flat_map(|e| &e.passes);
+    assert!(passes().any(|pass| pass.candidates.iter().any(|c| c.chosen)));
+    assert!(
+        passes().any(|pass| pass.others.iter().any(|other| other.doubt.is_some_and(|doubt| doubt > 0.0)))
+    );
+    let merged = |pass: &PassReport| {
+        pass.canonical.iter().chain(pass.others.iter().filter_map(|o| o.merged.as_ref())).cloned().collect()
+    };
+    let merged: Vec<Merged> = passes().flat_map::<Vec<Merged>, _>(merged).collect();
+    assert!(merged.len() > 20 && merged.iter().all(|m| (0.0..=1.0 + 1e-5).contains(&m.mis_weight)));
+    let json = serde_json::to_value(&explanations[0]).expect("all of it is data");
+    assert_eq!((json["pixel"][0].as_u64(), json["mode"].as_str()), (Some(24), Some("unbiased")));
+    assert!(json["passes"][0]["candidates"][0]["source_pdf"].as_f64().is_some_and(|p| p > 0.0));
+}
+
+/// Negative controls: a replay of another scene is noticed, and of which kind the difference is.
+#[test]
+fn planted_differences_are_seen() {
+    let Some(device) = device() else { return };
+    let mut renderer = lit_renderer(&device);
+    let settings = cases()[2].1;
+    let mut told = |scene: &SceneDescription| explain(&mut renderer, scene, settings, camera(SIZE), &PIXELS);
+    let mut dimmed = lit_screens();
+    dimmed.point_lights.iter_mut().for_each(|light| light.intensity *= 0.999);
+    assert!(told(&dimmed).iter().any(|e| !e.is_explained()), "0.1 % less light was not seen");
+    let mut other_order = lit_screens();
+    other_order.point_lights.swap(3, 7);
+    assert!(
+        told(&other_order).iter().any(|e| e.verdict().contains("DIFFERS")),
+        "swapped lights were not seen"
+    );
+    let mut open = lit_screens();
+    open.meshes[0].primitives.truncate(4);
+    let flipped: usize = told(&open).iter().map(Explanation::disagreeing_rays).sum();
+    assert!(flipped > 0, "no ray of the GPU was blocked by the screens that the CPU does not have");
+
+    let up = Camera::new(Vec3::Y, Vec3::Y, Vec3::Z, 0.3, SIZE);
+    let nothing = &explain(&mut renderer, &lit_screens(), settings, up, &[UVec2::ZERO])[0];
+    assert!(nothing.surface.is_none() && nothing.passes.is_empty() && nothing.shading.is_none());
+    let text = nothing.to_string();
+    assert!(text.contains("sees      nothing") && text.contains("nothing to light"), "{text}");
+}
+
+/// Refused before anything is loaded: one line, which `candela` gives with exit code 2.
+#[test]
+fn pixels_outside_the_picture_are_refused() {
+    for (x, y) in [("64", "0"), ("0", "48"), ("4000000000", "4000000000")] {
+        let args = Cli::parse_from(["candela", "explain", x, y, "atrium", "--size", "64x48"]);
+        let error = cli::run(args).unwrap_err().to_string();
+        assert!(error.contains("outside the picture of 64x48") && error.lines().count() == 1, "{error}");
+    }
+    assert!(Cli::try_parse_from(["candela", "explain", "-1", "0"]).is_err());
+    assert!(Cli::try_parse_from(["candela", "explain", "5"]).is_err());
+}
