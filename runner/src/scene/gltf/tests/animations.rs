@@ -21,6 +21,7 @@ fn moving() -> File {
 
 impl File {
     /// Adds a channel to the first animation.
+    #[allow(clippy::too_many_arguments)]
     fn channel(
         &mut self,
         node: usize,
