@@ -15,7 +15,10 @@ pub fn ulps(a: f32, b: f32) -> u64 {
         return u64::MAX;
     }
     // Monotonic over the whole line; both zeros are 0.
-    let place = |x: f32| if x < 0.0 { -i64::from(x.to_bits() & 0x7fff_ffff) } else { i64::from(x.to_bits()) };
+    let place = |x: f32| {
+        let size = i64::from(x.to_bits() & 0x7fff_ffff);
+        if x.is_sign_negative() { -size } else { size }
+    };
     place(a).abs_diff(place(b))
 }
 

@@ -110,8 +110,7 @@ impl GpuScene {
 
     /// Device memory of all buffers, bytes; see [`memory`] for what they hold.
     pub fn bytes(&self) -> u64 {
-        let buffers = self.buffers.values().map(Buffer::size).sum::<u64>();
-        buffers + self.blas.bytes() + self.tlas.bytes() + self.past_bytes()
+        self.buffers.values().map(Buffer::size).sum::<u64>() + self.past_bytes()
     }
 
     /// Device memory of the acceleration structures, bytes.
