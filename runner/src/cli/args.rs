@@ -5,7 +5,7 @@ use crate::scene::{EnvironmentSource, SceneSource};
 use crate::settings_file::{CANDIDATES, ITERATIONS, Mode, NEIGHBORS, RESERVOIRS, SettingsFile, Tiles};
 use crate::vulkan::DeviceOptions;
 use clap::{Args, Parser, Subcommand};
-use glam::UVec2;
+use glam::{DVec3, UVec2};
 use std::ops::Range;
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
@@ -435,12 +435,12 @@ fn positive(text: &str) -> Result<f32, String> {
 }
 
 /// `x,y,z,tx,ty,tz[,fov]` as (position, target, fov in degrees), or none if it is no list of numbers.
-pub fn parse_view(text: &str) -> Option<Result<(glam::Vec3, glam::Vec3, Option<f32>)>> {
-    let numbers: Vec<f32> = text.split(',').map(|n| n.trim().parse().ok()).collect::<Option<_>>()?;
+pub fn parse_view(text: &str) -> Option<Result<(DVec3, DVec3, Option<f64>)>> {
+    let numbers: Vec<f64> = text.split(',').map(|n| n.trim().parse().ok()).collect::<Option<_>>()?;
     let finite = numbers.iter().all(|n| n.is_finite());
     match numbers[..] {
         [x, y, z, tx, ty, tz, ref fov @ ..] if finite && fov.len() <= 1 => {
-            Some(Ok((glam::Vec3::new(x, y, z), glam::Vec3::new(tx, ty, tz), fov.first().copied())))
+            Some(Ok((DVec3::new(x, y, z), DVec3::new(tx, ty, tz), fov.first().copied())))
         }
         // A single number is a camera's index.
         [_] => None,

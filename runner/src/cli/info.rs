@@ -9,6 +9,7 @@ use crate::gpu_scene::memory::{self, Cost};
 use crate::scene::lights::LightTable;
 use crate::scene::{AlphaMode, Material, Primitive, SceneDescription, Workflow, emission};
 use crate::vulkan::Device;
+use glam::{DVec3, Vec3};
 use serde::Serialize;
 use shared::frame::features;
 
@@ -19,9 +20,11 @@ struct Info {
     triangles: usize,
     meshes: usize,
     instances: usize,
-    /// m
-    bounds_min: [f32; 3],
-    bounds_max: [f32; 3],
+    /// In the file's world, m
+    bounds_min: [f64; 3],
+    bounds_max: [f64; 3],
+    /// The point of it that positions are kept relative to on the device, m
+    origin: [f64; 3],
     cameras: Vec<String>,
     lights: usize,
     /// lm
@@ -39,13 +42,15 @@ pub fn run(args: &InfoArgs) -> Result<()> {
     let lights = LightTable::new(&scene);
     let arrays = SceneArrays::new(&scene)?;
     let bounds = scene.bounds();
+    let in_file = |p: Vec3| (scene.origin + p.as_dvec3()).to_array();
     let info = Info {
         name: scene.name.clone(),
         triangles: scene.triangle_count(),
         meshes: scene.meshes.len(),
         instances: scene.instances.len(),
-        bounds_min: bounds.min.into(),
-        bounds_max: bounds.max.into(),
+        bounds_min: in_file(bounds.min),
+        bounds_max: in_file(bounds.max),
+        origin: scene.origin.to_array(),
         cameras: scene.cameras.iter().map(|camera| camera.name.clone()).collect(),
         lights: lights.lights.len(),
         flux: lights.lights.iter().map(|light| f64::from(light.power)).sum(),
@@ -98,7 +103,7 @@ fn features(scene: &SceneDescription, arrays: &SceneArrays) -> Vec<String> {
         ("double-sided", &|m| m.double_sided),
         ("specular-glossiness", &|m| m.workflow == Workflow::SpecularGlossiness),
         ("unlit", &|m| m.unlit),
-        ("emissive", &|m| m.emission != glam::Vec3::ZERO),
+        ("emissive", &|m| m.emission != Vec3::ZERO),
         ("of them with an emissive texture", &emission::is_textured),
     ];
     for (name, has) in materials {
@@ -119,7 +124,7 @@ fn features(scene: &SceneDescription, arrays: &SceneArrays) -> Vec<String> {
 }
 
 fn print(info: &Info) {
-    let [min, max] = [info.bounds_min, info.bounds_max].map(glam::Vec3::from_array);
+    let [min, max] = [info.bounds_min, info.bounds_max].map(DVec3::from_array);
     let (e, center) = (max - min, 0.5 * (min + max));
     let cameras =
         if info.cameras.is_empty() { "none (one is fitted)".to_owned() } else { info.cameras.join(", ") };
@@ -127,6 +132,12 @@ fn print(info: &Info) {
     println!("{}", info.name);
     println!("  triangles   {triangles} in {instances} instances of {meshes} meshes");
     println!("  bounds      {:.3} x {:.3} x {:.3} m around {center:.3}", e.x, e.y, e.z);
+    if info.origin != [0.0; 3] {
+        println!(
+            "  origin      {:.3}: far from zero, so positions are kept relative to it",
+            DVec3::from_array(info.origin)
+        );
+    }
     println!("  cameras     {cameras}");
     println!("  lights      {}, {:.1} lm", info.lights, info.flux);
     list("features", &info.features);

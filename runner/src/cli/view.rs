@@ -58,8 +58,9 @@ fn named_camera(scene: &SceneDescription, text: &str) -> Result<SceneCamera> {
         if position == target {
             return Err(Error::Usage(format!("--camera {text}: position and target are the same point")));
         }
-        let fov_y = fov.unwrap_or(50.0).clamp(1.0, 170.0).to_radians();
-        let forward = (target - position).normalize();
+        let fov_y = fov.unwrap_or(50.0).clamp(1.0, 170.0).to_radians() as f32;
+        let forward = (target - position).normalize().as_vec3();
+        let position = (position - scene.origin).as_vec3();
         return Ok(SceneCamera { name: text.into(), position, forward, up: Vec3::Y, fov_y });
     }
     Ok(scene.cameras[camera_index(scene, text)?].clone())

@@ -67,6 +67,8 @@ fn document(scene: &SceneDescription, camera: &SceneCamera) -> Value {
         "format": "candela-scene",
         "version": VERSION,
         "name": scene.name,
+        // Where the zero of what follows lies in the world of the scene's file, m.
+        "origin": scene.origin.to_array(),
         "camera": {
             "position": camera.position.to_array(),
             "forward": camera.forward.to_array(),

@@ -17,7 +17,7 @@ mod source;
 pub use environment::Environment;
 pub use source::{EnvironmentSource, load};
 
-use glam::{Affine3A, Vec2, Vec3, Vec4};
+use glam::{Affine3A, DVec3, Vec2, Vec3, Vec4};
 use shared::material::{DIELECTRIC_F0, UvMap, slot};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -26,6 +26,9 @@ use std::sync::Arc;
 #[derive(Clone, Debug, Default)]
 pub struct SceneDescription {
     pub name: String,
+    /// Where the zero of all positions below lies in the file's world, m: not at its zero in files far from that, as f32
+    /// would have no digits left for detail.
+    pub origin: DVec3,
     pub meshes: Vec<Mesh>,
     pub instances: Vec<Instance>,
     pub materials: Vec<Material>,

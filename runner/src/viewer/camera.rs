@@ -1,7 +1,7 @@
 //! The camera that mouse and keys move: around a point, or freely.
 
 use crate::scene::SceneCamera;
-use glam::{Mat3, Vec2, Vec3};
+use glam::{DVec3, Mat3, Vec2, Vec3};
 
 /// How drags are understood.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,6 +25,9 @@ const SPEEDS: std::ops::RangeInclusive<f32> = 1e-3..=1e3;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rig {
     pub style: Style,
+    /// Of the scene ([`crate::scene::SceneDescription::origin`]), m.
+    pub origin: DVec3,
+    /// Relative to it, m.
     pub position: Vec3,
     /// Unit.
     pub forward: Vec3,
@@ -45,6 +48,7 @@ impl Rig {
     pub fn new(camera: &SceneCamera, middle: Vec3, radius: f32) -> Self {
         let mut rig = Rig {
             style: Style::Orbit,
+            origin: DVec3::ZERO,
             position: Vec3::ZERO,
             forward: -Vec3::Z,
             up: Vec3::Y,
@@ -144,10 +148,11 @@ impl Rig {
         }
     }
 
-    /// As `--camera` takes it: position and target in m, field of view in degrees.
+    /// As `--camera` takes it: position and target in m, field of view in degrees, in the file's world.
     pub fn argument(&self) -> String {
-        let (p, t) = (self.position, self.position + self.forward);
-        let numbers = [p.x, p.y, p.z, t.x, t.y, t.z, self.fov_y.to_degrees()];
+        let p = self.origin + self.position.as_dvec3();
+        let t = p + self.forward.as_dvec3();
+        let numbers = [p.x, p.y, p.z, t.x, t.y, t.z, f64::from(self.fov_y.to_degrees())];
         // 6 digits of metres and degrees: below what a pixel shows.
         let text = numbers.map(|n| format!("{n:.6}"));
         let short = text.each_ref().map(|t| t.trim_end_matches('0').trim_end_matches('.'));
@@ -232,10 +237,10 @@ mod tests {
 
     #[test]
     fn the_argument_comes_back_as_the_camera() {
-        let rig = rig(Style::Fly);
+        let rig = Rig { origin: DVec3::new(1e5, 0.0, -2e6), ..rig(Style::Fly) };
         let (position, target, fov) = parse_view(&rig.argument()).unwrap().unwrap();
-        assert!((position - rig.position).length() < 1e-5);
-        assert!(((target - position).normalize() - rig.forward).length() < 1e-5);
-        assert!((fov.unwrap().to_radians() - rig.fov_y).abs() < 1e-6);
+        assert!((position - rig.origin - rig.position.as_dvec3()).length() < 1e-5);
+        assert!(((target - position).normalize().as_vec3() - rig.forward).length() < 1e-5);
+        assert!((fov.unwrap().to_radians() as f32 - rig.fov_y).abs() < 1e-6);
     }
 }

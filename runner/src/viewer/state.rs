@@ -323,7 +323,9 @@ impl State {
 fn rig(scene: &SceneDescription, camera: &SceneCamera) -> Rig {
     let bounds = scene.bounds();
     let middle = if bounds.extent().min_element() >= 0.0 { bounds.center() } else { Vec3::ZERO };
-    Rig::new(camera, middle, bounds.radius())
+    let mut rig = Rig::new(camera, middle, bounds.radius());
+    rig.origin = scene.origin;
+    rig
 }
 
 /// The file's cameras, or one around the scene.

@@ -23,6 +23,7 @@ pub struct Motion {
 pub fn read(
     document: &Document,
     nodes: &[Placed],
+    origin: DVec3,
     buffers: &[Vec<u8>],
     warnings: &mut Warnings,
 ) -> Reason<Motion> {
@@ -57,11 +58,11 @@ pub fn read(
             }
         }
     }
-    motion(nodes, curves)
+    motion(nodes, origin, curves)
 }
 
 /// Keeps the nodes that move by themselves or with a parent; the worlds of all others are folded into them.
-fn motion(nodes: &[Placed], curves: Vec<(usize, Curve)>) -> Reason<Motion> {
+fn motion(nodes: &[Placed], origin: DVec3, curves: Vec<(usize, Curve)>) -> Reason<Motion> {
     let animated: HashSet<usize> = curves.iter().map(|&(placed, _)| placed).collect();
     let mut animation = Animation::default();
     let mut of_placed: Vec<Option<usize>> = vec![None; nodes.len()];
@@ -73,7 +74,7 @@ fn motion(nodes: &[Placed], curves: Vec<(usize, Curve)>) -> Reason<Motion> {
         }
         of_placed[i] = Some(animation.nodes.len());
         let resting = placed.parent.filter(|_| parent.is_none());
-        let base = resting.map_or(DAffine3::IDENTITY, |parent| nodes[parent].world);
+        let base = resting.map_or(DAffine3::from_translation(-origin), |parent| nodes[parent].world);
         animation.nodes.push(Node { parent, base, rest: placed.local });
     }
     let channel = |(placed, curve): (usize, Curve)| of_placed[placed].map(|node| Channel { node, curve });

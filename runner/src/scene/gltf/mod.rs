@@ -9,16 +9,17 @@ mod geometry;
 mod images;
 mod materials;
 mod nodes;
+mod origin;
 mod tangents;
 #[cfg(test)]
 mod tests;
 mod uri;
 mod warnings;
 
-use super::animation::Thing;
+use super::animation::{Local, Node, Thing};
 use super::{Instance, Mesh, SceneDescription};
 use crate::error::{Error, Result};
-use glam::Vec3;
+use glam::{DAffine3, DVec3, Vec3};
 use gltf::Document;
 use materials::Materials;
 use nodes::Placed;
@@ -48,8 +49,7 @@ fn scene_of(bytes: &[u8], base: &Path) -> Reason<SceneDescription> {
     let (document, buffers) = file::parse(bytes, base)?;
     let mut warnings = Warnings::default();
     warn_of_features(&document, &mut warnings);
-    let nodes = nodes::place(&document)?;
-    let motion = animations::read(&document, &nodes, &buffers, &mut warnings)?;
+    let mut nodes = nodes::place(&document)?;
     let worn = nodes.iter().filter_map(|placed| placed.node.mesh()).flat_map(|mesh| mesh.primitives());
     let images = materials::images_of(worn.map(|primitive| primitive.material()));
     let images = images::load(&document, &images, base, &buffers);
@@ -57,9 +57,14 @@ fn scene_of(bytes: &[u8], base: &Path) -> Reason<SceneDescription> {
         buffers: &buffers,
         materials: Materials::new(images),
         known_meshes: HashMap::new(),
-        scene: SceneDescription { animation: motion.animation, ..SceneDescription::default() },
+        scene: SceneDescription::default(),
         warnings,
     };
+    // Meshes first: they tell where the scene is.
+    loader.scene.origin = loader.recenter(&mut nodes)?;
+    let origin = loader.scene.origin;
+    let motion = animations::read(&document, &nodes, origin, &buffers, &mut loader.warnings)?;
+    loader.scene.animation = motion.animation;
     for (placed, &moving) in nodes.iter().zip(&motion.of_placed) {
         loader.add(placed, moving)?;
     }
@@ -76,13 +81,29 @@ fn warn_of_features(document: &Document, warnings: &mut Warnings) {
 struct Loader<'b> {
     buffers: &'b [Vec<u8>],
     materials: Materials,
-    /// Index in the document -> in the scene, for shared meshes; `None` for those without triangles.
-    known_meshes: HashMap<usize, Option<usize>>,
+    /// Index in the document -> in the scene, for shared meshes, and the point that their positions are relative to in
+    /// object space; `None` for those without triangles.
+    known_meshes: HashMap<usize, Option<(usize, DVec3)>>,
     scene: SceneDescription,
     warnings: Warnings,
 }
 
 impl Loader<'_> {
+    /// Reads the meshes of `nodes`, moves all nodes to the scene's origin, and gives that point in the file's world.
+    fn recenter(&mut self, nodes: &mut [Placed]) -> Reason<DVec3> {
+        let mut extent = origin::Extent::default();
+        for placed in nodes.iter() {
+            let Some(mesh) = placed.node.mesh() else { continue };
+            if let Some((mesh, offset)) = self.mesh(&mesh)? {
+                let world = placed.world * DAffine3::from_translation(offset);
+                extent.add(&self.scene.meshes[mesh], &world);
+            }
+        }
+        let origin = extent.origin();
+        nodes.iter_mut().for_each(|placed| placed.world.translation -= origin);
+        Ok(origin)
+    }
+
     /// `moving`: the node of the scene's animation that this one is.
     fn add(&mut self, placed: &Placed, moving: Option<usize>) -> Reason<()> {
         if let Some(camera) = placed.camera(&mut self.warnings) {
@@ -96,23 +117,37 @@ impl Loader<'_> {
         if placed.node.skin().is_some() {
             self.warnings.add("skins are drawn as modelled", &placed.label);
         }
-        let Some(mesh) = self.mesh(&mesh)? else { return Ok(()) };
+        let Some((mesh, offset)) = self.mesh(&mesh)? else { return Ok(()) };
+        let offset = DAffine3::from_translation(offset);
+        let transform = (placed.world * offset).as_affine3a();
         // What moves may grow later.
-        let Some(transform) = placed.transform().or(moving.map(|_| placed.world.as_affine3a())) else {
+        if !placed.has_area() && moving.is_none() {
             self.warnings.add("scaled to nothing, so left out", &placed.label);
             return Ok(());
-        };
+        }
+        let moving = moving.map(|node| self.child(node, offset));
         let name = placed.node.name().unwrap_or_default().to_owned();
         self.attach(moving, Thing::Instance(self.scene.instances.len()));
         self.scene.instances.push(Instance { name, mesh, transform });
         Ok(())
     }
 
+    /// The node of the scene's animation that stands at `offset` from `parent`.
+    fn child(&mut self, parent: usize, offset: DAffine3) -> usize {
+        if offset == DAffine3::IDENTITY {
+            return parent;
+        }
+        let rest = Local::Matrix(offset);
+        self.scene.animation.nodes.push(Node { parent: Some(parent), base: DAffine3::IDENTITY, rest });
+        self.scene.animation.nodes.len() - 1
+    }
+
     fn attach(&mut self, moving: Option<usize>, thing: Thing) {
         self.scene.animation.attached.extend(moving.map(|node| (thing, node)));
     }
 
-    fn mesh(&mut self, source: &gltf::Mesh) -> Reason<Option<usize>> {
+    /// See [`Self::known_meshes`].
+    fn mesh(&mut self, source: &gltf::Mesh) -> Reason<Option<(usize, DVec3)>> {
         if let Some(&known) = self.known_meshes.get(&source.index()) {
             return Ok(known);
         }
@@ -124,13 +159,14 @@ impl Loader<'_> {
             let read = geometry::read(&primitive, &label, &wear, self.buffers, &mut self.warnings);
             primitives.extend(read.map_err(|reason| format!("{label}: {reason}"))?);
         }
-        let index = (!primitives.is_empty()).then_some(self.scene.meshes.len());
-        if index.is_some() {
+        let mut known = None;
+        if !primitives.is_empty() {
+            known = Some((self.scene.meshes.len(), origin::recenter(&mut primitives)));
             let name = source.name().unwrap_or_default().to_owned();
             self.scene.meshes.push(Mesh { name, primitives });
         }
-        self.known_meshes.insert(source.index(), index);
-        Ok(index)
+        self.known_meshes.insert(source.index(), known);
+        Ok(known)
     }
 
     fn finish(mut self) -> Reason<SceneDescription> {

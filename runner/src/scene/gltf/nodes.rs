@@ -4,7 +4,7 @@ use super::warnings::Warnings;
 use super::{Reason, label};
 use crate::scene::animation::{Local, Thing, view_axes};
 use crate::scene::{DirectionalLight, PointLight, SceneCamera, SceneDescription, SpotLight};
-use glam::{Affine3A, DAffine3, DMat3, DMat4, DQuat, DVec3, Vec3};
+use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3, Vec3};
 use gltf::khr_lights_punctual::Kind;
 use gltf::scene::Transform;
 use gltf::{Document, Node};
@@ -20,7 +20,7 @@ pub struct Placed<'a> {
     /// Place in the list of its parent, if it has one.
     pub parent: Option<usize>,
     pub local: Local,
-    /// Object to world.
+    /// Object to world, relative to the scene's origin once that is known.
     pub world: DAffine3,
 }
 
@@ -76,11 +76,11 @@ fn local_transform(transform: Transform) -> Reason<Local> {
 }
 
 impl Placed<'_> {
-    /// As the scene keeps it; `None` if the transform leaves no area of anything.
-    pub fn transform(&self) -> Option<Affine3A> {
+    /// Does its transform leave an area of anything?
+    pub fn has_area(&self) -> bool {
         let DMat3 { x_axis: x, y_axis: y, z_axis: z } = self.world.matrix3;
         let areas = [x.cross(y), y.cross(z), z.cross(x)];
-        areas.iter().any(|&area| area != DVec3::ZERO).then(|| self.world.as_affine3a())
+        areas.iter().any(|&area| area != DVec3::ZERO)
     }
 
     /// The node's perspective camera. Its transform turns and moves, but does not scale it.

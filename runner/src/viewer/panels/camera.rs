@@ -22,7 +22,7 @@ pub fn show(ui: &mut Ui, state: &mut State, actions: &mut Vec<Action>) {
     if ui.add(Slider::new(&mut degrees, 5.0..=120.0).text("Field of view, °")).changed() {
         state.rig.fov_y = degrees.to_radians();
     }
-    let p = state.rig.position;
+    let p = state.rig.origin + state.rig.position.as_dvec3();
     ui.label(format!("at {:.3}, {:.3}, {:.3} m", p.x, p.y, p.z));
     if ui.button("Copy as a command line").clicked() {
         actions.extend(state.command(Command::CopyCamera));

@@ -22,7 +22,7 @@ fn moving() -> File {
 impl File {
     /// Adds a channel to the first animation.
     #[allow(clippy::too_many_arguments)]
-    fn channel(
+    pub(super) fn channel(
         &mut self,
         node: usize,
         path: &str,

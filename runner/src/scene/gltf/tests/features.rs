@@ -68,7 +68,8 @@ fn deep_hierarchies_neither_overflow_nor_drift() {
     let mut nodes: Vec<Value> = (0..deep).map(step).collect();
     nodes.push(json!({"mesh": 0}));
     file.json["nodes"] = json!(nodes);
-    let x = far_corner(&file.load().unwrap(), 0).x;
+    let scene = file.load().unwrap();
+    let x = scene.origin.x + f64::from(far_corner(&scene, 0).x);
     // Summed in f32, 10 000 m would be off by metres.
     assert!((x - 10_001.0).abs() < 0.01, "{x}");
 }

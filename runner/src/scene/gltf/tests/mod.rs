@@ -2,6 +2,7 @@
 
 mod animations;
 mod errors;
+mod far;
 mod features;
 mod hostile;
 mod khronos;
