@@ -5,12 +5,13 @@ use candela::explain::record::{Merged, PassReport};
 use candela::explain::{Explanation, World, next_frame};
 use candela::frame::renderer::{FrameOptions, Renderer};
 use candela::frame::schedule::Work;
-use candela::scene::{AlphaMode, Material, PointLight, Primitive, SceneDescription};
+use candela::scene::{AlphaMode, Material, PointLight, Primitive, SceneDescription, gltf};
 use candela::vulkan::Device;
 use clap::Parser;
 use glam::{UVec2, Vec3, Vec4};
 use shared::camera::Camera;
 use shared::frame::{Settings, mode};
+use std::path::Path;
 use tests::gpu::{assert_no_validation_messages, device, renderer};
 use tests::scenes::{camera, emitter, scene, square};
 
@@ -115,6 +116,76 @@ fn the_replay_comes_to_the_gpus_result() {
         }
     }
     assert_no_validation_messages(&device);
+}
+
+/// Screens that slide and lights that swing, under a camera that moves: the history is looked up where things were, among
+/// what hid them then. Negative control: a replay that takes the past for the present differs.
+#[test]
+fn the_replay_follows_what_moves() {
+    let Some(device) = device() else { return };
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets/scenes/moving.glb");
+    let rest = gltf::load(&path).expect("the fixture loads");
+    let (mut histories, mut rays, mut wrong) = (0, 0, 0);
+    for (name, settings) in cases() {
+        let ways: &[bool] = if name == "unbiased" { &[true, false] } else { &[true] };
+        for &follows in ways {
+            for e in explain_moving(&device, &rest, settings, follows) {
+                if follows {
+                    println!("{name}, {:?}: {}", e.pixel, e.verdict());
+                    assert!(
+                        e.is_explained() && e.worst_ulps() <= ULPS,
+                        "{name}: {} ulp\n{e}",
+                        e.worst_ulps()
+                    );
+                    assert_eq!(e.disagreeing_rays(), 0, "{name}:\n{e}");
+                    let temporal = || e.passes.iter().filter(|pass| pass.pass.ends_with("_moving"));
+                    histories +=
+                        temporal().flat_map(|pass| &pass.others).filter(|o| o.merged.is_some()).count();
+                    rays += temporal().flat_map(|pass| &pass.rays).count();
+                } else {
+                    wrong += usize::from(!e.is_explained() || e.disagreeing_rays() > 0);
+                }
+            }
+        }
+    }
+    assert!(histories > 20 && rays > 5, "{histories} histories, {rays} rays: too few to tell");
+    assert!(wrong > 0, "the planted error was not seen: {wrong}");
+    assert_no_validation_messages(&device);
+}
+
+/// Frame 5 of the scene in motion. Not `follows`: the replay's things move, but its past is its present.
+fn explain_moving(
+    device: &Device,
+    rest: &SceneDescription,
+    settings: Settings,
+    follows: bool,
+) -> Vec<Explanation> {
+    let options =
+        FrameOptions { work: Work::Restir(settings), seed: 5, exposure: 1.0, background: Vec3::ZERO };
+    let mut renderer = renderer(device, rest, SIZE, settings.reservoirs);
+    let explanations = PIXELS.iter().map(|&pixel| {
+        let (mut scene, mut world) = (rest.clone(), World::new(rest).expect("the scene fits"));
+        renderer.restart();
+        let mut set = |frame: u32, renderer: &mut Renderer, world: &mut World<'_>| {
+            let pose = scene.pose(0.2 + f64::from(frame) / 24.0);
+            scene.apply(&pose);
+            renderer.update_scene(&scene, &pose).expect("the scene moves");
+            world.follow(&scene, &pose);
+            if !follows {
+                world.follow(&scene, &pose);
+            }
+            let view = &scene.cameras[0];
+            Camera::new(view.position, view.forward, view.up, view.fov_y, SIZE)
+        };
+        for frame in 0..5 {
+            let camera = set(frame, &mut renderer, &mut world);
+            renderer.render(camera, &options).expect("the frame renders");
+        }
+        let camera = set(5, &mut renderer, &mut world);
+        let (recorder, history) = renderer.parts();
+        next_frame(recorder, history, &world, camera, &options, pixel).expect("the frame is explained")
+    });
+    explanations.collect()
 }
 
 /// Same survivors, the same numbers but for `ULPS`, by lines that follow the estimator.

@@ -70,7 +70,11 @@ fn far_scenes_look_like_near_ones() {
         ["far-reference", "far-unbiased"].into_iter().zip(pictures(&far).iter().zip(&expected))
     {
         let share = differing(image, expected);
-        assert!(share < TOLERANCE, "{name}: {share} of pixels; {}", failure::write(name, SIZE, image, expected));
+        assert!(
+            share < TOLERANCE,
+            "{name}: {share} of pixels; {}",
+            failure::write(name, SIZE, image, expected)
+        );
     }
     // Negative control: the same places in f32 around zero.
     let mut rounded = near.clone();

@@ -279,6 +279,12 @@ pub struct ExplainArgs {
     /// Explain this frame instead, counted from 0.
     #[arg(long, value_name = "F", conflicts_with = "frames")]
     pub frame: Option<u32>,
+    /// Play the scene's animation: frame 0 shows T seconds [default: at rest].
+    #[arg(long, value_name = "T", value_parser = time)]
+    pub time: Option<f64>,
+    /// Frames a second of the animation.
+    #[arg(long, default_value_t = 24.0, value_parser = positive, requires = "time")]
+    pub fps: f32,
     #[command(flatten)]
     pub device: DeviceArgs,
     #[command(flatten)]

@@ -8,6 +8,7 @@ mod compare;
 mod rays;
 pub mod record;
 mod replay;
+mod temporal;
 mod texels;
 mod text;
 
@@ -19,10 +20,10 @@ use crate::frame::pass::{Role, Step};
 use crate::frame::recorder::{FrameOptions, Recorder};
 use crate::frame::schedule::Work;
 use crate::gpu_scene::arrays::SceneArrays;
-use crate::scene::SceneDescription;
-use crate::scene::lights;
+use crate::scene::animation::Pose;
+use crate::scene::{SceneDescription, lights};
 use bytemuck::Pod;
-use glam::{UVec2, Vec3};
+use glam::{Affine3A, UVec2, Vec3};
 use rays::{Hit, Occluders};
 use record::{PassReport, Shading, SurfaceReport};
 use replay::Replay;
@@ -30,23 +31,57 @@ use shared::alpha;
 use shared::camera::Camera;
 use shared::frame::{FrameConstants, mode};
 use shared::light::tile::{TileEntry, Tiles};
-use shared::light::{LightTable, Lights, kind};
+use shared::light::{Light, LightTable, Lights, kind};
+use shared::motion::{InstanceMotion, PastLights};
 use shared::resampling::Pixels;
 use shared::reservoir::StoredReservoir;
 use shared::rng::{Rng, Stream};
 use shared::surface::GBufferTexel;
+use temporal::{Before, TemporalPass};
 
 /// A scene as the replay needs it: what the GPU has, on the CPU.
 pub struct World<'a> {
     occluders: Occluders<'a>,
     lights: lights::LightTable,
+    past: Option<Past>,
+}
+
+/// What of a scene was otherwise in the previous frame.
+struct Past {
+    /// Object to world of each of the scene's instances.
+    transforms: Vec<Affine3A>,
+    lights: Vec<Light>,
 }
 
 impl<'a> World<'a> {
     pub fn new(scene: &'a SceneDescription) -> Result<Self> {
         let lights = lights::LightTable::new(scene);
         let arrays = SceneArrays::new(scene)?;
-        Ok(World { occluders: Occluders { scene, arrays }, lights })
+        Ok(World { occluders: Occluders { scene, arrays }, lights, past: None })
+    }
+
+    /// Moves what `pose` moves to where `scene`, to which it was applied, has it: for the next frame, as
+    /// [`crate::frame::renderer::Renderer::update_scene`] does. What was becomes the past.
+    pub fn follow(&mut self, scene: &SceneDescription, pose: &Pose) {
+        let arrays = &mut self.occluders.arrays;
+        self.past = Some(Past { transforms: arrays.transforms.clone(), lights: self.lights.lights.clone() });
+        for (i, _) in pose.instances() {
+            arrays.place(i, scene.instances[i].transform);
+        }
+        self.lights.follow(scene, pose);
+    }
+
+    /// What has moved since the frame before, for a surface of geometry `geometry`. Its lights keep their indices.
+    fn before(&self, geometry: u32) -> Option<Before<'_>> {
+        let past = self.past.as_ref()?;
+        let arrays = &self.occluders.arrays;
+        let instance =
+            (0..arrays.transforms.len()).find(|&i| arrays.geometries_of(i).contains(&(geometry as usize)))?;
+        let (then, now) = (past.transforms[instance], arrays.transforms[instance]);
+        let motion = if then == now { InstanceMotion::default() } else { InstanceMotion::between(then, now) };
+        let lights = Lights::untextured(&past.lights);
+        let lights = PastLights { lights, previous_to_current: &[], current_to_previous: &[] };
+        Some(Before { lights, motion, transforms: &past.transforms })
     }
 
     fn light_table(&self) -> LightTable<'_> {
@@ -162,14 +197,16 @@ impl<'a> Witness<'a> {
                 reports.extend(lanes.map(|lane| replay.initial(stem, lane, tiles, &after)));
                 self.reservoirs = after;
             }
-            "temporal" | "temporal_unbiased" => {
+            "temporal" | "temporal_unbiased" | "temporal_moving" | "temporal_unbiased_moving" => {
+                let before = if stem.ends_with("_moving") { self.world.before(texel.instance) } else { None };
                 let gbuffer: Vec<GBufferTexel> = read(history, step, Role::PreviousGBuffer)?;
                 let ended: Vec<StoredReservoir> = read(history, step, Role::ReservoirsHistory)?;
                 let previous = Pixels { gbuffer: &gbuffer, reservoirs: &ended };
                 let after: Vec<_> = read(history, step, Role::ReservoirsOut)?;
-                reports.extend(
-                    lanes.map(|lane| replay.temporal(stem, lane, &self.reservoirs, previous, &after)),
-                );
+                reports.extend(lanes.map(|lane| {
+                    let pass = TemporalPass { stem, lane, previous, before };
+                    pass.replay(&replay, &self.reservoirs, &after)
+                }));
                 self.reservoirs = after;
             }
             "spatial" | "spatial_unbiased" => {

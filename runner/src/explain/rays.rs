@@ -3,7 +3,7 @@
 use super::texels;
 use crate::gpu_scene::arrays::{Placement, SceneArrays};
 use crate::scene::SceneDescription;
-use glam::{DVec3, Vec2, Vec3};
+use glam::{Affine3A, DVec3, Vec2, Vec3};
 use serde::Serialize;
 use shared::alpha::is_let_through;
 use shared::frame::features;
@@ -50,20 +50,22 @@ struct Meets {
 }
 
 impl Occluders<'_> {
-    /// What lies between the ends of `ray`; both sides of everything do. `key`: of [`shared::alpha`].
-    pub fn blocker(&self, ray: ShadowRay, key: u32) -> Option<Hit> {
-        self.nearest(ray.origin, ray.direction, 1.0, key, false)
+    /// What lies between the ends of `ray` where `places` (object to world) has the scene's instances; both sides of
+    /// everything do. `key`: of [`shared::alpha`].
+    pub fn blocker(&self, places: &[Affine3A], ray: ShadowRay, key: u32) -> Option<Hit> {
+        self.nearest(places, [ray.origin, ray.direction], 1.0, key, false)
     }
 
     /// What a ray from the eye sees: single-sided surfaces only from their front.
     pub fn seen(&self, eye: Vec3, direction: Vec3, key: u32) -> Option<Hit> {
-        self.nearest(eye, direction, f64::INFINITY, key, true)
+        self.nearest(&self.arrays.transforms, [eye, direction], f64::INFINITY, key, true)
     }
 
-    fn nearest(&self, origin: Vec3, direction: Vec3, t_max: f64, key: u32, culls: bool) -> Option<Hit> {
+    fn nearest(&self, places: &[Affine3A], ray: [Vec3; 2], t_max: f64, key: u32, culls: bool) -> Option<Hit> {
         let (mut nearest, mut hit) = (t_max, None);
+        let ray = ray.map(Vec3::as_dvec3);
         for placement in &self.arrays.placements {
-            self.each_triangle(placement, origin.as_dvec3(), direction.as_dvec3(), |candidate| {
+            self.each_triangle(placement, &places[placement.instance], ray, |candidate| {
                 let culled = culls && !candidate.double_sided && !candidate.meets.front;
                 if candidate.meets.t <= nearest && !culled && self.stops(&candidate, key) {
                     nearest = candidate.meets.t;
@@ -78,11 +80,10 @@ impl Occluders<'_> {
     fn each_triangle<'a>(
         &'a self,
         placement: &'a Placement,
-        origin: DVec3,
-        direction: DVec3,
+        transform: &Affine3A,
+        [origin, direction]: [DVec3; 2],
         mut meet: impl FnMut(Candidate<'a>),
     ) {
-        let transform = self.scene.instances[placement.instance].transform;
         let (matrix, translation) = (transform.matrix3.as_dmat3(), transform.translation.as_dvec3());
         // Facing is decided in object space: a mirror turns what the world sees.
         let mirrored = matrix.determinant() < 0.0;

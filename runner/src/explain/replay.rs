@@ -3,7 +3,7 @@
 use super::World;
 use super::compare::{Difference, ROUNDING_ULPS, ulps};
 use super::record::{Candidate, Merged, Neighbor, PassReport, Ray, Shading, Survivor, Tile};
-use glam::{UVec2, UVec4, Vec3};
+use glam::{Affine3A, UVec2, UVec4, Vec3};
 use shared::alpha::{self, SURE_HITS_ONLY};
 use shared::frame::{FrameConstants, mode};
 use shared::light::LightTable;
@@ -12,10 +12,10 @@ use shared::math::safe_ratio;
 use shared::resampling::pairwise::{Pairwise, Weighed};
 use shared::resampling::{
     CrossProposal, Pixels, initial, is_similar_distance, is_similar_normal, reservoir_index, spatial,
-    target_of, temporal,
+    target_of,
 };
 use shared::reservoir::{Reservoir, StoredReservoir};
-use shared::rng::{Rng, Stream, unit_f32};
+use shared::rng::{Rng, Stream};
 use shared::shading;
 use shared::shadow::ShadowRay;
 use shared::surface::{GBufferTexel, Surface};
@@ -31,7 +31,7 @@ pub struct Replay<'a> {
 }
 
 /// A pass as the estimator's own function has it, and what the lines of the report come to.
-struct Replayed {
+pub(super) struct Replayed {
     report: PassReport,
     result: StoredReservoir,
     lines: StoredReservoir,
@@ -39,12 +39,17 @@ struct Replayed {
 
 impl Replayed {
     /// `lines` before the survivor's ray said whether it is `visible`.
-    fn new(report: PassReport, result: StoredReservoir, lines: StoredReservoir, visible: bool) -> Self {
+    pub(super) fn new(
+        report: PassReport,
+        result: StoredReservoir,
+        lines: StoredReservoir,
+        visible: bool,
+    ) -> Self {
         Replayed { report, result, lines: if visible { lines } else { lines.occluded() } }
     }
 
     /// A merge by 1/M.
-    fn uniform(mut report: PassReport, result: StoredReservoir, merged: Reservoir) -> Self {
+    pub(super) fn uniform(mut report: PassReport, result: StoredReservoir, merged: Reservoir) -> Self {
         let others = report.others.iter_mut().filter_map(|other| other.merged.as_mut());
         for one in report.canonical.iter_mut().chain(others) {
             one.mis_weight = safe_ratio(one.reservoir.confidence, merged.confidence);
@@ -54,15 +59,26 @@ impl Replayed {
 }
 
 /// Answers the rays of a pass, on the CPU; `flips` turns the answers of those whose bit is set.
-struct Rays<'a> {
+pub(super) struct Rays<'a> {
     world: &'a World<'a>,
     flips: u32,
     asked: Vec<Ray>,
 }
 
 impl Rays<'_> {
-    fn ask(&mut self, purpose: &'static str, ray: ShadowRay, key: u32) -> bool {
-        let blocker = self.world.occluders.blocker(ray, key);
+    pub(super) fn ask(&mut self, purpose: &'static str, ray: ShadowRay, key: u32) -> bool {
+        self.ask_among(&self.world.occluders.arrays.transforms, purpose, ray, key)
+    }
+
+    /// Where `places` has the scene's instances.
+    pub(super) fn ask_among(
+        &mut self,
+        places: &[Affine3A],
+        purpose: &'static str,
+        ray: ShadowRay,
+        key: u32,
+    ) -> bool {
+        let blocker = self.world.occluders.blocker(places, ray, key);
         let flip = self.flips >> self.asked.len() & 1 != 0;
         let visible = blocker.is_none();
         self.asked.push(Ray {
@@ -98,15 +114,15 @@ fn explain<T>(
 }
 
 impl Replay<'_> {
-    fn lights(&self) -> LightTable<'_> {
+    pub(super) fn lights(&self) -> LightTable<'_> {
         self.world.light_table()
     }
 
-    fn rng(&self, stream: Stream, lane: u32) -> Rng {
+    pub(super) fn rng(&self, stream: Stream, lane: u32) -> Rng {
         Rng::new(self.pixel, self.frame.index, self.frame.seed, stream, lane)
     }
 
-    fn at(&self, reservoirs: &[StoredReservoir], lane: u32) -> StoredReservoir {
+    pub(super) fn at(&self, reservoirs: &[StoredReservoir], lane: u32) -> StoredReservoir {
         reservoirs[reservoir_index(&self.frame, self.pixel, lane) as usize]
     }
 
@@ -122,7 +138,11 @@ impl Replay<'_> {
     }
 
     /// Completes the report of a pass.
-    fn report(&self, gpu: StoredReservoir, replay: impl Fn(&mut Rays<'_>) -> Replayed) -> PassReport {
+    pub(super) fn report(
+        &self,
+        gpu: StoredReservoir,
+        replay: impl Fn(&mut Rays<'_>) -> Replayed,
+    ) -> PassReport {
         let agrees = |replayed: &Replayed| Difference::new(replayed.result, gpu).is_rounding();
         let (replayed, rays) = explain(self.world, replay, agrees);
         PassReport {
@@ -136,7 +156,7 @@ impl Replay<'_> {
     }
 
     /// Does the ray of visibility reuse reach the finished survivor? True where the pass does not ask.
-    fn is_seen(&self, proposal: &initial::Proposal, asks: bool, rays: &mut Rays<'_>) -> bool {
+    pub(super) fn is_seen(&self, proposal: &initial::Proposal, asks: bool, rays: &mut Rays<'_>) -> bool {
         !asks
             || proposal.is_certain()
             || rays.ask("from this pixel to the survivor", proposal.ray, SURE_HITS_ONLY)
@@ -223,117 +243,17 @@ impl Replay<'_> {
         }
     }
 
-    /// `current`: all reservoirs before the pass.
-    pub fn temporal(
-        &self,
-        pass: &'static str,
-        lane: u32,
-        current: &[StoredReservoir],
-        previous: Pixels<'_>,
-        gpu: &[StoredReservoir],
-    ) -> PassReport {
-        let current = self.at(current, lane);
-        let place = temporal::previous_place(&self.frame, &self.surface);
-        let mut history = Neighbor {
-            pixel: place.map(|place| place.pixel.to_array()),
-            rejected: self.rejected_history(place, previous),
-            ..Default::default()
-        };
-        let report = PassReport { pass, reservoir: lane, ..Default::default() };
-        let (Some(place), None) = (place, history.rejected) else {
-            history.rejected = history.rejected.or(Some("outside the previous picture, or the first frame"));
-            let report = PassReport { canonical: Some(self.alone(current)), others: vec![history], ..report };
-            return self.report(self.at(gpu, lane), |_| {
-                Replayed::new(report.clone(), self.without_history(current, previous, lane), current, true)
-            });
-        };
-        self.report(self.at(gpu, lane), |rays| {
-            let report = PassReport { others: vec![history.clone()], ..report.clone() };
-            match self.frame.settings.mode {
-                mode::BIASED => self.temporal_biased(report, current, previous, place.pixel, lane),
-                _ => self.temporal_unbiased(report, current, previous, lane, rays),
-            }
-        })
-    }
-
-    /// What the pass makes of a reservoir without history.
-    fn without_history(&self, current: StoredReservoir, previous: Pixels<'_>, lane: u32) -> StoredReservoir {
-        let (frame, lights, surface) = (&self.frame, self.lights(), &self.surface);
-        if frame.settings.mode == mode::BIASED {
-            let mut rng = self.rng(Stream::Temporal, lane);
-            return temporal::biased(frame, lights, surface, current, previous, lane, &mut rng);
-        }
-        let proposal = temporal::propose(frame, lights, surface, current, previous, lane);
-        if proposal.is_none() { current } else { StoredReservoir::default() }
-    }
-
-    fn rejected_history(&self, place: Option<temporal::Place>, previous: Pixels<'_>) -> Option<&'static str> {
-        let place = place?;
-        let texel = previous.gbuffer[self.frame.pixel_index(place.pixel) as usize];
-        self.unlike(place.distance, &texel).or_else(|| {
-            (!temporal::is_similar_albedo(&self.surface, &texel)).then_some("its albedo differs too much")
-        })
-    }
-
-    /// Why `texel` does not hold a surface like the pixel's own, at `distance` from its camera.
-    fn unlike(&self, distance: f32, texel: &GBufferTexel) -> Option<&'static str> {
+    /// Why `texel` does not hold a surface like the pixel's own, at `distance` from its camera and with `normal`.
+    pub(super) fn unlike(&self, distance: f32, normal: Vec3, texel: &GBufferTexel) -> Option<&'static str> {
         if texel.is_empty() {
             Some("it sees no surface")
         } else if !is_similar_distance(&self.frame.settings, distance, texel) {
             Some("its distance differs too much")
-        } else if !is_similar_normal(&self.frame.settings, self.surface.normal, texel) {
+        } else if !is_similar_normal(&self.frame.settings, normal, texel) {
             Some("its normal differs too much")
         } else {
             None
         }
-    }
-
-    fn temporal_biased(
-        &self,
-        mut report: PassReport,
-        current: StoredReservoir,
-        previous: Pixels<'_>,
-        pixel: UVec2,
-        lane: u32,
-    ) -> Replayed {
-        let mut rng = self.rng(Stream::Temporal, lane);
-        let (frame, lights, surface) = (&self.frame, self.lights(), &self.surface);
-        let result = temporal::biased(frame, lights, surface, current, previous, lane, &mut rng.clone());
-        let random = rng.next_u32x4();
-        let mut merged = Reservoir::default();
-        report.canonical = Some(self.merge(&mut merged, current, unit_f32(random.x)));
-        let history = temporal::capped_history(frame, current, previous, pixel, lane);
-        report.others[0].merged = Some(self.merge(&mut merged, history, unit_f32(random.y)));
-        Replayed::uniform(report, result, merged)
-    }
-
-    fn temporal_unbiased(
-        &self,
-        mut report: PassReport,
-        current: StoredReservoir,
-        previous: Pixels<'_>,
-        lane: u32,
-        rays: &mut Rays<'_>,
-    ) -> Replayed {
-        let (lights, surface) = (self.lights(), &self.surface);
-        let proposal = temporal::propose(&self.frame, lights, surface, current, previous, lane);
-        let Some(proposal) = proposal else {
-            return Replayed::new(report, current, StoredReservoir::default(), true);
-        };
-        let asks = self.frame.settings.visibility_is_known();
-        let seen = !asks
-            || proposal.is_certain()
-            || rays.ask("from the history's pixel to the current sample", proposal.ray, SURE_HITS_ONLY);
-        let mut rng = self.rng(Stream::Temporal, lane);
-        let finished = temporal::accept(lights, surface, current, proposal, seen, &mut rng.clone());
-        let visible = self.is_seen(&finished, asks, rays);
-
-        let random = rng.next_u32x4();
-        let mut merge = temporal::begin(lights, surface, current, proposal);
-        let weighed = merge.add(proposal.neighbor, proposal.seen(seen), unit_f32(random.x));
-        self.cross(&mut report.others[0], &proposal, weighed);
-        let lines = self.end_with_canonical(&mut report, &mut merge, current, unit_f32(random.y));
-        Replayed::new(report, initial::accept(finished, visible), lines, visible)
     }
 
     /// `pixels`: the reservoirs before the pass.
@@ -367,7 +287,7 @@ impl Replay<'_> {
             return (Neighbor { rejected, ..Default::default() }, None, numbers);
         };
         let texel = self.gbuffer[self.frame.pixel_index(place) as usize];
-        let rejected = self.unlike(self.surface.distance, &texel);
+        let rejected = self.unlike(self.surface.distance, self.surface.normal, &texel);
         let neighbor = Neighbor { pixel: Some(place.to_array()), rejected, ..Default::default() };
         (neighbor, rejected.is_none().then_some(place), numbers)
     }
@@ -421,14 +341,14 @@ impl Replay<'_> {
     }
 
     /// A reservoir that is merged with nothing.
-    fn alone(&self, reservoir: StoredReservoir) -> Merged {
+    pub(super) fn alone(&self, reservoir: StoredReservoir) -> Merged {
         let target = target_of(&self.surface, self.lights(), reservoir);
         let weight = target * reservoir.contribution_weight;
         Merged { reservoir: self.survivor(reservoir), target, mis_weight: 1.0, weight, chosen: true }
     }
 
     /// Merges by 1/M; the MIS weight is known at the end.
-    fn merge(&self, merged: &mut Reservoir, reservoir: StoredReservoir, u: f32) -> Merged {
+    pub(super) fn merge(&self, merged: &mut Reservoir, reservoir: StoredReservoir, u: f32) -> Merged {
         let target = target_of(&self.surface, self.lights(), reservoir);
         Merged {
             reservoir: self.survivor(reservoir),
@@ -439,7 +359,7 @@ impl Replay<'_> {
         }
     }
 
-    fn cross(&self, neighbor: &mut Neighbor, cross: &CrossProposal, weighed: Weighed) {
+    pub(super) fn cross(&self, neighbor: &mut Neighbor, cross: &CrossProposal, weighed: Weighed) {
         neighbor.target_there = Some(cross.targets.neighbor_at_neighbor);
         neighbor.canonical_there = Some(cross.targets.canonical_at_neighbor);
         let target = cross.targets.neighbor_at_canonical;
@@ -451,7 +371,7 @@ impl Replay<'_> {
         Merged { reservoir: self.survivor(reservoir), target, mis_weight, weight, chosen: survives }
     }
 
-    fn end_with_canonical(
+    pub(super) fn end_with_canonical(
         &self,
         report: &mut PassReport,
         merge: &mut Pairwise,

@@ -2,7 +2,7 @@
 #![allow(clippy::too_many_arguments)]
 
 use super::pairwise::CrossTargets;
-use super::temporal::{capped_history, merge_biased, place_of, relative_to_previous, similar_at};
+use super::temporal::{Place, capped_history, merge_biased, place_of, relative_to_previous, similar_at};
 use super::{CrossProposal, Pixels, target_of};
 use crate::frame::FrameConstants;
 use crate::light::{LightSample, LightTable};
@@ -14,6 +14,12 @@ use crate::surface::Surface;
 use crate::target::target_function;
 use glam::UVec2;
 
+/// Where `surface`, on an instance that moved by `motion`, was seen in the previous frame; see
+/// [`super::temporal::previous_place`].
+pub fn previous_place(frame: &FrameConstants, surface: &Surface, motion: &InstanceMotion) -> Option<Place> {
+    place_of(frame, relative_to_previous(frame, surface) + motion.displacement(surface.position))
+}
+
 /// The pixel of the previous frame that saw `surface`, on an instance that moved by `motion`; or none.
 pub fn reproject(
     frame: &FrameConstants,
@@ -21,8 +27,7 @@ pub fn reproject(
     motion: &InstanceMotion,
     previous_gbuffer: Pixels<'_>,
 ) -> Option<UVec2> {
-    let relative = relative_to_previous(frame, surface) + motion.displacement(surface.position);
-    let place = place_of(frame, relative)?;
+    let place = previous_place(frame, surface, motion)?;
     similar_at(frame, surface, motion.normal(surface.normal), place, previous_gbuffer)
 }
 
