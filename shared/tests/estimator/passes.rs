@@ -105,6 +105,7 @@ impl<'a> Sequence<'a> {
             exposure: 1.0,
             background: Vec3::ZERO,
             environment_size: UVec2::ZERO,
+            first_environment_light: 0,
         };
         let lights = self.lights.table();
         let pass = Pass { sequence: self, frame: &frame, lights, view, before };
