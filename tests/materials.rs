@@ -215,7 +215,8 @@ fn unused_features_cost_nothing() {
             scene.textures = vec![texture([[255; 4]; 4])];
         }
         let gpu = GpuScene::new(&device, &scene).unwrap();
-        let costs = costs(&scene, &LightTable::new(&scene), &SceneArrays::new(&scene).unwrap());
+        let lights = LightTable::new(&scene);
+        let costs = costs(&scene, &lights, &SceneArrays::new(&scene, &lights).unwrap());
         let names: Vec<_> = costs.iter().map(|c| c.feature).filter(|f| !plain.contains(f)).collect();
         assert_eq!(names, expected, "{name}");
         assert_eq!(gpu.features() & !features::LIGHT_KINDS, expected_features, "{name}");

@@ -37,7 +37,7 @@ struct Info {
 pub fn run(args: &InfoArgs) -> Result<()> {
     let scene = view::load(&args.scene)?;
     let lights = LightTable::new(&scene);
-    let arrays = SceneArrays::new(&scene)?;
+    let arrays = SceneArrays::new(&scene, &lights)?;
     let bounds = scene.bounds();
     let info = Info {
         name: scene.name.clone(),

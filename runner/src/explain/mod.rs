@@ -18,7 +18,7 @@ use crate::frame::history::History;
 use crate::frame::pass::{Role, Step};
 use crate::frame::recorder::{FrameOptions, Recorder};
 use crate::frame::schedule::Work;
-use crate::gpu_scene::arrays::SceneArrays;
+use crate::gpu_scene::arrays::{SceneArrays, environment_texels};
 use crate::scene::SceneDescription;
 use crate::scene::lights;
 use bytemuck::Pod;
@@ -28,7 +28,10 @@ use record::{PassReport, Shading, SurfaceReport};
 use replay::Replay;
 use shared::alpha;
 use shared::camera::Camera;
+use shared::environment::EnvironmentTexel;
 use shared::frame::{FrameConstants, mode};
+use shared::interface::HitPayload;
+use shared::light::found::Emitters;
 use shared::light::tile::{TileEntry, Tiles};
 use shared::light::{LightTable, Lights, kind};
 use shared::resampling::Pixels;
@@ -40,17 +43,33 @@ use shared::surface::GBufferTexel;
 pub struct World<'a> {
     occluders: Occluders<'a>,
     lights: lights::LightTable,
+    environment: Vec<EnvironmentTexel>,
 }
 
 impl<'a> World<'a> {
     pub fn new(scene: &'a SceneDescription) -> Result<Self> {
         let lights = lights::LightTable::new(scene);
-        let arrays = SceneArrays::new(scene)?;
-        Ok(World { occluders: Occluders { scene, arrays }, lights })
+        let arrays = SceneArrays::new(scene, &lights)?;
+        let environment = environment_texels(scene);
+        Ok(World { occluders: Occluders { scene, arrays }, lights, environment })
     }
 
     fn light_table(&self) -> LightTable<'_> {
         LightTable { lights: Lights::untextured(&self.lights.lights), alias: &self.lights.alias }
+    }
+
+    /// The light where a ray from `origin` along `direction` ends, as [`Emitters::light_at`] has it, and what it met there.
+    fn light_along(&self, frame: &FrameConstants, origin: Vec3, direction: Vec3) -> (u32, Option<Hit>) {
+        let met = self.occluders.surely_met(origin, direction);
+        let payload = match &met {
+            Some(hit) => {
+                HitPayload { hit: 1, instance: hit.geometry, primitive: hit.triangle, ..Default::default() }
+            }
+            None => HitPayload::default(),
+        };
+        let instances = &self.occluders.arrays.instances;
+        let emitters = Emitters::new(frame, self.features(), instances, &self.environment);
+        (emitters.light_at(payload, direction), met)
     }
 
     fn features(&self) -> u32 {

@@ -47,9 +47,9 @@ impl LightTable {
                     let primitives = &scene.meshes[instance.mesh].primitives;
                     for (p, primitive) in primitives.iter().enumerate() {
                         let Some(emission) = &self.emitters.0[instance.mesh][p] else { continue };
-                        let double_sided = scene.materials[primitive.material].double_sided;
+                        let material = &scene.materials[primitive.material];
                         let range = self.of_primitives[i][p].clone();
-                        let moved = emitter_lights(instance, primitive, emission, double_sided);
+                        let moved = emitter_lights(instance, primitive, emission, material);
                         for (at, light) in range.clone().zip(moved) {
                             self.set(at, light);
                         }

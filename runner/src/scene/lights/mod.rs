@@ -9,10 +9,11 @@ pub use changes::{LightEdits, inverse_map, light_maps};
 pub use scatter::scatter;
 
 use super::emission::{Emission, Emitters, Part};
-use super::{DirectionalLight, Environment, Instance, Primitive, SceneDescription};
+use super::environment::shines;
+use super::{AlphaMode, DirectionalLight, Environment, Instance, Material, Primitive, SceneDescription};
 use glam::{UVec2, Vec2, Vec3};
 use shared::alias_table::AliasEntry;
-use shared::light::{self, Light};
+use shared::light::{self, Light, UNTRACEABLE};
 use std::ops::Range;
 
 /// The lights of a scene, and the table that draws them by their power.
@@ -26,6 +27,8 @@ pub struct LightTable {
     pub alias: Vec<AliasEntry>,
     /// `[instance][primitive]`: its lights.
     pub of_primitives: Vec<Vec<Range<usize>>>,
+    /// Index of the first lit texel of the environment map.
+    pub first_environment: usize,
     /// How the emission of meshes is divided.
     pub emitters: Emitters,
     /// How many of the lights are parts of textured emitters.
@@ -43,8 +46,8 @@ impl LightTable {
             let range = |(primitive, emission): (&Primitive, &Option<Emission>)| {
                 let first = lights.len();
                 if let Some(emission) = emission {
-                    let double_sided = scene.materials[primitive.material].double_sided;
-                    lights.extend(emitter_lights(instance, primitive, emission, double_sided));
+                    let material = &scene.materials[primitive.material];
+                    lights.extend(emitter_lights(instance, primitive, emission, material));
                     textured += match emission {
                         Emission::Even(_) => 0,
                         Emission::Textured(parts) => parts.len(),
@@ -54,9 +57,16 @@ impl LightTable {
             };
             of_primitives.push(primitives.map(range).collect());
         }
+        let first_environment = lights.len();
         lights.extend(environment_lights(scene));
         let alias = light::build_alias_table(&lights);
-        LightTable { lights, alias, of_primitives, emitters, textured }
+        LightTable { lights, alias, of_primitives, first_environment, emitters, textured }
+    }
+
+    /// The light of the first triangle of a primitive of an instance, if rays that hit its triangles find theirs.
+    pub fn traceable(&self, instance: usize, primitive: usize) -> Option<usize> {
+        let range = self.of_primitives[instance][primitive].clone();
+        self.lights[range.clone()].first().filter(|light| light.flags & UNTRACEABLE == 0).map(|_| range.start)
     }
 }
 
@@ -65,14 +75,26 @@ fn emitter_lights(
     instance: &Instance,
     primitive: &Primitive,
     emission: &Emission,
-    double_sided: bool,
+    material: &Material,
 ) -> Vec<Light> {
-    match emission {
+    let double_sided = material.double_sided;
+    let mut lights: Vec<Light> = match emission {
         Emission::Even(radiance) => triangle_lights(instance, primitive, *radiance, double_sided).collect(),
         Emission::Textured(parts) => {
             parts.iter().map(|part| part_light(instance, primitive, part, double_sided)).collect()
         }
+    };
+    if !is_traceable(material) {
+        lights.iter_mut().for_each(|light| light.flags |= UNTRACEABLE);
     }
+    lights
+}
+
+/// Do rays that hit a triangle of this material know its light? Parts of textures are not looked for, and rays pass what is
+/// transparent, which as a light is solid.
+pub fn is_traceable(material: &Material) -> bool {
+    let even = material.emission != Vec3::ZERO && material.emissive_texture.is_none();
+    even && material.alpha == AlphaMode::Opaque
 }
 
 /// Does the scene bring light of its own?
@@ -106,7 +128,7 @@ fn punctual_lights(scene: &SceneDescription) -> Vec<Light> {
 fn environment_lights(scene: &SceneDescription) -> Vec<Light> {
     let Some(Environment { size, radiance }) = &scene.environment else { return Vec::new() };
     let radius = scene.radius();
-    let lit = radiance.iter().enumerate().filter(|(_, radiance)| **radiance != Vec3::ZERO);
+    let lit = radiance.iter().enumerate().filter(|(_, radiance)| shines(**radiance));
     lit.map(|(i, &radiance)| {
         let texel = UVec2::new(i as u32 % size.x, i as u32 / size.x);
         Light::environment(texel, *size, radiance, radius)

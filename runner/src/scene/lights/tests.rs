@@ -1,5 +1,5 @@
 use super::*;
-use crate::scene::{Filter, Image, Material, Mesh, PointLight, Texture, Wrap};
+use crate::scene::{Filter, Image, Mesh, PointLight, Texture, Wrap};
 use glam::Affine3A;
 use shared::light::kind;
 use shared::math::luminance;
@@ -132,4 +132,25 @@ fn black_textures_are_no_light() {
 fn a_dark_scene_has_no_lights() {
     let table = LightTable::new(&SceneDescription::default());
     assert!(table.lights.is_empty() && table.alias.is_empty());
+}
+
+/// What rays can find: opaque triangles of even radiance.
+#[test]
+fn rays_find_opaque_even_triangles() {
+    let mut scene = scene();
+    let table = LightTable::new(&scene);
+    assert_eq!(
+        [(0, 0), (1, 0), (1, 1), (2, 2)].map(|(i, p)| table.traceable(i, p)),
+        [None, None, Some(1), Some(10)]
+    );
+    assert_eq!(table.first_environment, table.lights.len());
+    scene.materials[1].alpha = AlphaMode::Blend;
+    let table = LightTable::new(&scene);
+    assert_eq!(table.traceable(1, 1), None);
+    assert!(table.lights[1..].iter().all(|light| light.flags & UNTRACEABLE != 0));
+    scene.materials[1].alpha = AlphaMode::Opaque;
+    let image = Arc::new(Image { name: String::new(), width: 1, height: 1, texels: vec![255; 4] });
+    scene.textures = vec![Texture { image, srgb: true, wrap: [Wrap::Repeat; 2], filter: Filter::NEAREST }];
+    scene.materials[1].emissive_texture = Some(0);
+    assert_eq!(LightTable::new(&scene).traceable(1, 1), None);
 }
