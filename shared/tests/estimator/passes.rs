@@ -58,7 +58,7 @@ pub enum Plant {
     Balance,
     /// The solid angle of a unit of the light, in the density of a BSDF candidate.
     FoundSolidAngle,
-    /// The lobes' mixture in that density: both alike.
+    /// The lobes' mixture in that density: the one has the other's probability.
     FoundMixture,
     /// BSDF rays that go through everything.
     FoundRay,
@@ -185,7 +185,8 @@ impl Pass<'_> {
 
     /// The reservoir, or an empty one where a ray finds its sample hidden.
     fn seen(&self, proposal: initial::Proposal, ray_left_out: bool) -> StoredReservoir {
-        initial::accept(proposal, ray_left_out || self.sequence.world.trace(proposal.ray))
+        let known = ray_left_out || proposal.is_certain();
+        initial::accept(proposal, known || self.sequence.world.trace(proposal.ray))
     }
 
     fn initial(&self) -> Vec<StoredReservoir> {
@@ -237,7 +238,10 @@ impl Pass<'_> {
         let source_pdf = match self.sequence.plant {
             Some(Plant::Balance) => found,
             Some(Plant::FoundSolidAngle) => table + found / incident.solid_angle.max(1e-6),
-            Some(Plant::FoundMixture) => table + found * 0.5 * (specular + diffuse) / density,
+            Some(Plant::FoundMixture) => {
+                let exchanged = (1.0 - probability) * specular + probability * diffuse;
+                table + found * exchanged / density
+            }
             _ => return right,
         };
         Candidate { source_pdf: SourcePdf(source_pdf), ..right }
