@@ -184,10 +184,10 @@ pub fn rectangles() -> Kind {
     Kind { everywhere: (0..4).flat_map(down).collect(), somewhere: (0..5).flat_map(wall).collect() }
 }
 
-/// Triangles in one plane, none before another. Somewhere: every third shows its dark side.
+/// Triangles in one plane, none before another, where a mirror would show them. Somewhere: every third shows its dark side.
 pub fn ceiling() -> Kind {
     let triangle = |i: usize, up: bool| {
-        let corner = Vec3::new((i % 3) as f32 * 1.1 - 1.6, 2.0, (i / 3) as f32 * 1.2 - 1.8);
+        let corner = Vec3::new((i % 3) as f32 * 1.1 - 1.6, 2.0, (i / 3) as f32 * 1.2 - 3.6);
         let (u, v) = (Vec3::X * 0.9, Vec3::Z * (0.5 + 0.1 * (i % 5) as f32));
         let edges = if up { [corner + v, corner + u] } else { [corner + u, corner + v] };
         let radiance = strength(i) * 5.0;
