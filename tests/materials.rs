@@ -1,7 +1,7 @@
 //! What materials make of rays and light, on the device.
 
 use candela::frame::pass::Rays;
-use candela::frame::pipelines::any_hit;
+use candela::frame::pipelines::hit_groups;
 use candela::gpu_scene::GpuScene;
 use candela::gpu_scene::arrays::SceneArrays;
 use candela::gpu_scene::memory::costs;
@@ -153,6 +153,11 @@ fn a_blended_pane_halves_the_light_in_the_mean() {
     assert_no_validation_messages(&device);
 }
 
+/// Does any hit group of such rays run an any-hit shader?
+fn any_hit(rays: Rays, features: u32) -> bool {
+    hit_groups(rays, features).iter().any(|group| group.any_hit.is_some())
+}
+
 #[test]
 fn scenes_without_alpha_have_no_any_hit() {
     let Some(device) = device() else { return };
@@ -162,10 +167,10 @@ fn scenes_without_alpha_have_no_any_hit() {
             .unwrap()
             .features()
     };
-    for rays in [Rays::Primary, Rays::Shadow] {
-        assert_eq!(any_hit(rays, with(AlphaMode::Opaque) | features::TEXTURES | features::UV_MAPS), None);
-        assert!(any_hit(rays, with(AlphaMode::Blend)).is_some());
-        assert!(any_hit(rays, with(AlphaMode::Mask { cutoff: 0.5 })).is_some());
+    for rays in [Rays::Primary, Rays::Shadow, Rays::Both] {
+        assert!(!any_hit(rays, with(AlphaMode::Opaque) | features::TEXTURES | features::UV_MAPS));
+        assert!(any_hit(rays, with(AlphaMode::Blend)));
+        assert!(any_hit(rays, with(AlphaMode::Mask { cutoff: 0.5 })));
     }
 }
 
@@ -180,12 +185,13 @@ fn unused_features_cost_nothing() {
     second_set.uv_maps[slot::BASE_COLOR].set = 1;
     let normal_mapped = Material { normal_texture: Some(0), ..Material::default() };
     let glowing = Material { emission: Vec3::ONE, ..Material::default() };
+    let lamp = Material { alpha: AlphaMode::Blend, ..glowing.clone() };
     let screen = Material { emissive_texture: Some(0), ..glowing.clone() };
     let blended = Material { alpha: AlphaMode::Blend, ..Material::default() };
     let sky = Environment { size: UVec2::new(4, 2), radiance: vec![Vec3::ONE; 8] };
     let plain = ["geometry", "materials", "point lights", "alias table"];
     type Case<'a> = (&'a str, Material, Option<Environment>, u32, &'a [&'a str]);
-    let cases: [Case; 8] = [
+    let cases: [Case; 9] = [
         ("nothing", Material::default(), None, 0, &[]),
         ("texture", textured, None, features::TEXTURES, &["base color textures"]),
         (
@@ -196,14 +202,15 @@ fn unused_features_cost_nothing() {
             &["second uv set", "base color textures"],
         ),
         ("normals", normal_mapped, None, features::TEXTURES | features::NORMAL_MAPS, &["normal maps"]),
-        ("emission", glowing, None, 0, &["emissive triangles"]),
+        ("emission", glowing, None, features::TRACEABLE, &["emissive triangles"]),
+        ("glass lamp", lamp, None, features::ALPHA, &["emissive triangles"]),
         ("screen", screen, None, features::TEXTURES, &["emissive triangles", "emissive textures"]),
         ("alpha", blended, None, features::ALPHA, &[]),
         (
             "sky",
             Material::default(),
             Some(sky),
-            features::ENVIRONMENT,
+            features::ENVIRONMENT | features::TRACEABLE,
             &["environment lights", "environment map"],
         ),
     ];
@@ -215,7 +222,8 @@ fn unused_features_cost_nothing() {
             scene.textures = vec![texture([[255; 4]; 4])];
         }
         let gpu = GpuScene::new(&device, &scene).unwrap();
-        let costs = costs(&scene, &LightTable::new(&scene), &SceneArrays::new(&scene).unwrap());
+        let lights = LightTable::new(&scene);
+        let costs = costs(&scene, &lights, &SceneArrays::new(&scene, &lights).unwrap());
         let names: Vec<_> = costs.iter().map(|c| c.feature).filter(|f| !plain.contains(f)).collect();
         assert_eq!(names, expected, "{name}");
         assert_eq!(gpu.features() & !features::LIGHT_KINDS, expected_features, "{name}");
@@ -224,8 +232,15 @@ fn unused_features_cost_nothing() {
         let images = ["base color textures", "normal maps", "emissive textures"];
         let listed: u64 = costs.iter().filter(|c| !images.contains(&c.feature)).map(|c| c.bytes).sum();
         assert_eq!(gpu.bytes(), listed, "{name}");
-        let hit_shaders = [Rays::Primary, Rays::Shadow].map(|rays| any_hit(rays, gpu.features()).is_some());
-        assert_eq!(hit_shaders, [name == "alpha"; 2], "{name}");
+        let transparent = ["alpha", "glass lamp"].contains(&name);
+        let any_hits = [Rays::Primary, Rays::Shadow, Rays::Both].map(|rays| any_hit(rays, gpu.features()));
+        assert_eq!(any_hits, [transparent; 3], "{name}");
+        // BSDF candidates, and the hit group of their rays, where a ray can find a light; none without visibility reuse.
+        let traceable = ["emission", "sky"].contains(&name);
+        assert_eq!(hit_groups(Rays::Both, gpu.features()).len(), 1 + usize::from(traceable), "{name}");
+        let found = |settings: Settings| settings.bsdf_candidates(gpu.features());
+        assert_eq!(found(Settings::default()), u32::from(traceable), "{name}");
+        assert_eq!(found(Settings { visibility_reuse: 0, ..Settings::default() }), 0, "{name}");
     }
 }
 

@@ -85,11 +85,12 @@ fn every_module_has_its_entry_point() {
 /// What a buffer's elements are made of, by its place. One letter a scalar, in memory order.
 fn element(set: u32, binding: u32) -> Option<(&'static str, usize)> {
     use shared::{
-        alias_table::AliasEntry, geometry::*, light::Light, light::tile::TileEntry, material::Material,
-        motion::InstanceMotion, reservoir::StoredReservoir, surface::GBufferTexel,
+        alias_table::AliasEntry, environment::EnvironmentTexel, geometry::*, light::Light,
+        light::tile::TileEntry, material::Material, motion::InstanceMotion, reservoir::StoredReservoir,
+        surface::GBufferTexel,
     };
     Some(match (set, binding) {
-        (scene::SET, scene::INSTANCES) => ("fffufffufffufffffffffffff", size_of::<InstanceGeometry>()),
+        (scene::SET, scene::INSTANCES) => ("fffufffufffufffffffffffffu", size_of::<InstanceGeometry>()),
         (scene::SET, scene::POSITIONS) => ("fff", 12),
         (scene::SET, scene::ATTRIBUTES) => ("uuffu", size_of::<VertexAttributes>()),
         (scene::SET, scene::INDICES) => ("u", 4),
@@ -98,7 +99,7 @@ fn element(set: u32, binding: u32) -> Option<(&'static str, usize)> {
         }
         (scene::SET, scene::SECOND_UVS) => ("ff", size_of::<glam::Vec2>()),
         (scene::SET, scene::LIGHTS) | (past::SET, past::LIGHTS) => ("fffufffuffffffff", size_of::<Light>()),
-        (scene::SET, scene::ENVIRONMENT) => ("fff", 12),
+        (scene::SET, scene::ENVIRONMENT) => ("fffu", size_of::<EnvironmentTexel>()),
         (scene::SET, scene::ALIAS) => ("uuff", size_of::<AliasEntry>()),
         (frame::SET, frame::GBUFFER | frame::PREVIOUS_GBUFFER) => ("uuuuuuuu", size_of::<GBufferTexel>()),
         (frame::SET, frame::RESERVOIRS_IN | frame::RESERVOIRS_OUT | frame::RESERVOIRS_HISTORY) => {
@@ -177,6 +178,9 @@ fn payloads_and_push_constants_have_one_layout() {
         let expected = match pass.stage {
             Stage::RayTracing(Rays::Primary) => incoming("closest_hit"),
             Stage::RayTracing(Rays::Shadow) => incoming("shadow_miss"),
+            Stage::RayTracing(Rays::Both) => {
+                incoming("closest_hit").into_iter().chain(incoming("shadow_miss")).collect()
+            }
             Stage::Compute => vec![],
         };
         assert_eq!(module.layouts_of(StorageClass::RayPayloadNV), expected, "{}", pass.stem);

@@ -9,6 +9,7 @@ use std::path::Path;
 
 /// What each counting knob takes.
 pub const CANDIDATES: RangeInclusive<u32> = 1..=1024;
+pub const BSDF_CANDIDATES: RangeInclusive<u32> = 0..=4;
 pub const ITERATIONS: RangeInclusive<u32> = 1..=8;
 pub const NEIGHBORS: RangeInclusive<u32> = 1..=32;
 pub const RESERVOIRS: RangeInclusive<u32> = 1..=4;
@@ -25,6 +26,8 @@ pub struct SettingsFile {
     pub mode: Mode,
     /// Light candidates a reservoir, 1..=1024.
     pub candidates: u32,
+    /// Candidates found by rays along the reflectance, 0..=4; they act with `visibility`, where triangles or an environment shine.
+    pub bsdf_candidates: u32,
     /// Test the survivor's visibility before it is reused.
     pub visibility: bool,
     /// Reuse the previous frame.
@@ -83,6 +86,7 @@ impl From<&Settings> for SettingsFile {
         // All fields by name: a new knob does not compile until it has its place here.
         let &Settings {
             candidates,
+            bsdf_candidates,
             visibility_reuse,
             temporal,
             spatial,
@@ -99,6 +103,7 @@ impl From<&Settings> for SettingsFile {
         SettingsFile {
             mode: if mode == mode::UNBIASED { Mode::Unbiased } else { Mode::Biased },
             candidates,
+            bsdf_candidates,
             visibility: visibility_reuse != 0,
             temporal: temporal != 0,
             spatial: spatial != 0,
@@ -137,6 +142,7 @@ impl SettingsFile {
     /// The first knob that is out of its range, in one line.
     pub fn check(&self) -> Result<(), String> {
         within("candidates", self.candidates, CANDIDATES)?;
+        within("bsdf_candidates", self.bsdf_candidates, BSDF_CANDIDATES)?;
         within("iterations", self.iterations, ITERATIONS)?;
         within("neighbors", self.neighbors, NEIGHBORS)?;
         within("reservoirs", self.reservoirs, RESERVOIRS)?;
@@ -159,6 +165,7 @@ impl SettingsFile {
         };
         Settings {
             candidates: self.candidates,
+            bsdf_candidates: self.bsdf_candidates,
             visibility_reuse: self.visibility.into(),
             temporal: self.temporal.into(),
             spatial: self.spatial.into(),
@@ -223,6 +230,7 @@ mod tests {
     fn settings_come_back_as_they_were() {
         let odd = Settings {
             candidates: 7,
+            bsdf_candidates: 3,
             visibility_reuse: 0,
             temporal: 0,
             spatial: 0,
@@ -267,6 +275,7 @@ mod tests {
             (r#"{"candidate": 8}"#, "unknown field `candidate`"),
             (r#"{"candidates": 0}"#, "candidates: 0 is not in 1..=1024"),
             (r#"{"candidates": -3}"#, "-3"),
+            (r#"{"bsdf_candidates": 5}"#, "bsdf_candidates: 5 is not in 0..=4"),
             (r#"{"iterations": 9}"#, "iterations"),
             (r#"{"radius": 0}"#, "radius: 0 is not a number above 0"),
             (r#"{"radius": 1e99}"#, "radius"),

@@ -2,7 +2,7 @@
 
 use crate::textures::{Place, Textures, corners, triangle, uv_sets};
 use crate::trace::trace_primary;
-use shared::environment::texel_of;
+use shared::environment::{EnvironmentTexel, texel_of};
 use shared::frame::FrameConstants;
 use shared::geometry::{InstanceGeometry, VertexAttributes};
 use shared::glam::{UVec3, Vec2, Vec3};
@@ -25,7 +25,7 @@ pub fn gbuffer(
     #[spirv(storage_buffer, descriptor_set = 0, binding = 4)] indices: &[u32],
     #[spirv(storage_buffer, descriptor_set = 0, binding = 5)] materials: &[Material],
     #[spirv(storage_buffer, descriptor_set = 0, binding = 8)] second_uvs: &[Vec2],
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 9)] environment: &[Vec3],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 9)] environment: &[EnvironmentTexel],
     #[spirv(descriptor_set = 0, binding = 10)] textures: &Textures,
     #[spirv(uniform, descriptor_set = 1, binding = 0)] frame: &FrameConstants,
     #[spirv(storage_buffer, descriptor_set = 1, binding = 1)] gbuffer: &mut [GBufferTexel],
@@ -40,7 +40,7 @@ pub fn gbuffer(
     if payload.hit == 0 {
         gbuffer[index] = GBufferTexel::default();
         radiance[index] = if features & shared::frame::features::ENVIRONMENT != 0 {
-            environment[texel_of(direction, frame.environment_size) as usize]
+            environment[texel_of(direction, frame.environment_size) as usize].radiance
         } else {
             frame.background
         };

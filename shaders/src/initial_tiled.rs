@@ -1,14 +1,18 @@
-//! Pass 2, from light tiles: fresh candidates for every reservoir, and visibility reuse.
+//! Pass 2, from light tiles: fresh candidates for every reservoir, from the lights and along the reflectance, and visibility reuse.
 
-use crate::trace::trace_shadow;
+use crate::trace::{trace_nearest, trace_shadow};
 use shared::alias_table::AliasEntry;
 use shared::alpha::SURE_HITS_ONLY;
+use shared::environment::EnvironmentTexel;
 use shared::frame::FrameConstants;
+use shared::geometry::InstanceGeometry;
 use shared::glam::UVec3;
-use shared::interface::ShadowPayload;
+use shared::interface::{HitPayload, ShadowPayload};
+use shared::light::found::Emitters;
 use shared::light::tile::{TileEntry, Tiles, tile_of};
 use shared::light::{Light, LightTable, Lights};
-use shared::resampling::{initial, reservoir_index};
+use shared::resampling::initial::{self, Glance, Techniques};
+use shared::resampling::reservoir_index;
 use shared::reservoir::StoredReservoir;
 use shared::rng::{Rng, Stream};
 use shared::surface::GBufferTexel;
@@ -20,14 +24,17 @@ pub fn initial_tiled(
     #[spirv(launch_id)] launch: UVec3,
     #[spirv(spec_constant(id = 0, default = 0))] features: u32,
     #[spirv(descriptor_set = 0, binding = 0)] tlas: &AccelerationStructure,
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] instances: &[InstanceGeometry],
     #[spirv(storage_buffer, descriptor_set = 0, binding = 6)] lights: &[Light],
     #[spirv(storage_buffer, descriptor_set = 0, binding = 7)] alias: &[AliasEntry],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 9)] environment: &[EnvironmentTexel],
     #[spirv(uniform, descriptor_set = 1, binding = 0)] frame: &FrameConstants,
     #[spirv(storage_buffer, descriptor_set = 1, binding = 1)] gbuffer: &[GBufferTexel],
     #[spirv(storage_buffer, descriptor_set = 1, binding = 4)] reservoirs: &mut [StoredReservoir],
     #[spirv(storage_buffer, descriptor_set = 1, binding = 8)] entries: &[TileEntry],
     #[spirv(storage_buffer, descriptor_set = 1, binding = 9)] points: &[u32],
     #[spirv(ray_payload)] payload: &mut ShadowPayload,
+    #[spirv(ray_payload)] nearest: &mut HitPayload,
 ) {
     let (pixel, lane) = (launch.truncate(), launch.z);
     let out = reservoir_index(frame, pixel, lane) as usize;
@@ -38,14 +45,23 @@ pub fn initial_tiled(
     }
     let surface = texel.unpack(&frame.camera, pixel, frame.size);
     let mut rng = Rng::new(pixel, frame.index, frame.seed, Stream::Initial, lane);
-    let proposal = initial::propose_from_tile(
-        &surface,
-        LightTable { lights: Lights { lights, features }, alias },
-        Tiles { entries, points },
-        tile_of(frame, pixel, lane),
-        frame.settings.candidates,
-        &mut rng,
-    );
+    let lights = LightTable { lights: Lights { lights, features }, alias };
+    let emitters = Emitters::new(frame, features, instances, environment);
+    let techniques = Techniques::new(&frame.settings, features);
+    let tiles = Tiles { entries, points };
+    let tile = tile_of(frame, pixel, lane);
+    let mut fresh = initial::from_tile(&surface, lights, techniques, tiles, tile, &mut rng);
+    let mut i = 0;
+    while i < techniques.bsdf {
+        let glance = Glance::new(&surface, &mut rng);
+        if glance.is_worth_tracing(&surface) {
+            trace_nearest(tlas, features, glance.origin, glance.direction, nearest);
+            let light = emitters.light_at(*nearest, glance.direction);
+            fresh.add_found(glance.candidate(&surface, lights, techniques, light));
+        }
+        i += 1;
+    }
+    let proposal = fresh.finish(&surface, lights);
     let mut visible = true;
     if frame.settings.visibility_reuse != 0 && !proposal.is_certain() {
         visible = trace_shadow(tlas, features, proposal.ray, SURE_HITS_ONLY, payload);

@@ -1,4 +1,4 @@
-//! The only two ways a ray leaves a shader.
+//! The only three ways a ray leaves a shader.
 //!
 //! Loops around a trace are `while` loops over integers: NVIDIA's driver (580.159) loses or repeats iterations of what rust-gpu 0.10
 //! makes of `for .. in range` when some rays of a warp are skipped (seen as lights added twice or never by `reference`).
@@ -6,7 +6,7 @@
 use shared::alpha;
 use shared::frame::features;
 use shared::glam::Vec3;
-use shared::interface::{HitPayload, ShadowPayload, miss};
+use shared::interface::{HitPayload, ShadowPayload, hit_group, miss};
 use shared::shadow::ShadowRay;
 use spirv_std::ray_tracing::{AccelerationStructure, RayFlags};
 
@@ -34,6 +34,23 @@ pub fn trace_primary(
     // SAFETY: `payload` is a ray payload of the type that the hit and miss shaders declare.
     unsafe {
         tlas.trace_ray(flags, 0xff, 0, 0, miss::PRIMARY as i32, origin, 0.0, direction, T_MAX, payload);
+    }
+}
+
+/// The nearest surface from `origin` along `direction` (unit) that surely is in the way, into `payload`: both sides of
+/// everything, as for shadow rays. For passes whose rays are [`hit_group::NEAREST`]'s too.
+pub fn trace_nearest(
+    tlas: &AccelerationStructure,
+    features: u32,
+    origin: Vec3,
+    direction: Vec3,
+    payload: &mut HitPayload,
+) {
+    *payload = HitPayload { key: alpha::SURE_HITS_ONLY, ..HitPayload::default() };
+    let (flags, group) = (opacity(features), hit_group::NEAREST as i32);
+    // SAFETY: `payload` is a ray payload of the type that the hit and miss shaders declare.
+    unsafe {
+        tlas.trace_ray(flags, 0xff, group, 0, miss::PRIMARY as i32, origin, 0.0, direction, T_MAX, payload);
     }
 }
 

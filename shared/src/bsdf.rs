@@ -1,9 +1,18 @@
-//! The reflection model: glTF 2.0 appendix B (Lambert under a GGX microfacet lobe).
+//! The reflection model: glTF 2.0 appendix B (Lambert under a GGX microfacet lobe), and directions drawn from it.
+//!
+//! A direction comes from one of two lobes: the Lambertian one by the cosine, the specular one by the normals that wo sees
+//! (Heitz 2018, "Sampling the GGX Distribution of Visible Normals"). The lobe is drawn by the luminance of what each reflects
+//! at wo, with Schlick's F at the normal, see [`specular_probability`]; the density is that of the mixture.
+
+#[cfg(test)]
+mod sampling_tests;
 
 use crate::material::Reflectance;
-use crate::math::safe_ratio;
+use crate::math::{basis, luminance, normalize_or, safe_ratio};
+use crate::pdf::PdfSolidAngle;
+use crate::sampling::{cap_direction, square_to_disk};
 use core::f32::consts::FRAC_1_PI;
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 #[cfg(target_arch = "spirv")]
 use spirv_std::num_traits::Float;
 
@@ -22,7 +31,7 @@ pub fn eval(reflectance: &Reflectance, n: Vec3, wo: Vec3, wi: Vec3) -> Vec3 {
     }
     let half = (wo + wi).normalize();
     let fresnel = schlick(reflectance.f0, wi.dot(half).clamp(0.0, 1.0));
-    let alpha = (reflectance.roughness * reflectance.roughness).max(MIN_ALPHA);
+    let alpha = alpha(reflectance);
     let specular = specular(n, half, cos_o, cos_i, alpha);
     (Vec3::ONE - fresnel) * reflectance.diffuse * FRAC_1_PI + fresnel * specular
 }
@@ -43,6 +52,68 @@ fn specular(n: Vec3, half: Vec3, cos_o: f32, cos_i: f32, alpha: f32) -> f32 {
     let o = cos_i * (cos_o * cos_o * (1.0 - a2) + a2).sqrt();
     let i = cos_o * (cos_i * cos_i * (1.0 - a2) + a2).sqrt();
     safe_ratio(0.5 * FRAC_1_PI * a2, lobe * lobe * (o + i))
+}
+
+fn alpha(reflectance: &Reflectance) -> f32 {
+    (reflectance.roughness * reflectance.roughness).max(MIN_ALPHA)
+}
+
+/// Probability of drawing a direction from the specular lobe where cosθo = `cos_o`: s / (s + d), with the luminances
+/// s = Y(F(θo)) and d = Y((1 - F(θo)) diffuse); 0 where both are black.
+pub fn specular_probability(reflectance: &Reflectance, cos_o: f32) -> f32 {
+    let fresnel = schlick(reflectance.f0, cos_o.clamp(0.0, 1.0));
+    let specular = luminance(fresnel);
+    safe_ratio(specular, specular + luminance((Vec3::ONE - fresnel) * reflectance.diffuse))
+}
+
+/// A direction wi for wo, unit, by the density [`pdf`]; it may lie below the surface, where nothing is reflected.
+/// `lobe` chooses the lobe, `square` the direction in it.
+pub fn sample(reflectance: &Reflectance, n: Vec3, wo: Vec3, lobe: f32, square: Vec2) -> Vec3 {
+    let (tangent, bitangent) = basis(n);
+    let to_world = |v: Vec3| tangent * v.x + bitangent * v.y + n * v.z;
+    let cos_o = n.dot(wo);
+    if lobe >= specular_probability(reflectance, cos_o) {
+        // The disk lifted to the hemisphere (Malley's method): cosθ/π.
+        let disk = square_to_disk(square);
+        return to_world(disk.extend((1.0 - disk.length_squared()).max(0.0).sqrt()));
+    }
+    let alpha = alpha(reflectance);
+    let local = Vec3::new(tangent.dot(wo), bitangent.dot(wo), cos_o);
+    let half = to_world(visible_normal(local, alpha, square));
+    half * (2.0 * wo.dot(half)) - wo
+}
+
+/// A microfacet normal as `wo` sees them, in the frame of the surface (Dupuy & Benyoub 2023, "Sampling Visible GGX Normals
+/// with Spherical Caps").
+fn visible_normal(wo: Vec3, alpha: f32, square: Vec2) -> Vec3 {
+    let stretched = normalize_or(Vec3::new(wo.x * alpha, wo.y * alpha, wo.z), Vec3::Z);
+    let half = cap_direction(-stretched.z, square) + stretched;
+    normalize_or(Vec3::new(half.x * alpha, half.y * alpha, half.z.max(0.0)), Vec3::Z)
+}
+
+/// Density of [`sample`]; 0 where either direction is below the surface.
+///
+/// p = P D G1(wo) / (4 cosθo) + (1 - P) cosθi / π, with P of [`specular_probability`] (Heitz 2018, eq. 17; the Jacobian of
+/// the mirrored direction is 1 / (4 wo·h)).
+pub fn pdf(reflectance: &Reflectance, n: Vec3, wo: Vec3, wi: Vec3) -> PdfSolidAngle {
+    let cos_o = n.dot(wo);
+    let cos_i = n.dot(wi);
+    if !(cos_o > 0.0 && cos_i > 0.0) {
+        return PdfSolidAngle(0.0);
+    }
+    let half = (wo + wi).normalize();
+    let specular = visible_normal_density(n, half, cos_o, alpha(reflectance));
+    let probability = specular_probability(reflectance, cos_o);
+    PdfSolidAngle(probability * specular + (1.0 - probability) * cos_i * FRAC_1_PI)
+}
+
+/// D(h) G1(wo) / (4 cosθo), 1/sr, with G1 = 2 cosθo / (cosθo + √(cosθo² (1 - α²) + α²)).
+fn visible_normal_density(n: Vec3, half: Vec3, cos_o: f32, alpha: f32) -> f32 {
+    let a2 = alpha * alpha;
+    let cos_h = n.dot(half);
+    let lobe = n.cross(half).length_squared() + cos_h * cos_h * a2;
+    let o = (cos_o * cos_o * (1.0 - a2) + a2).sqrt();
+    safe_ratio(0.5 * FRAC_1_PI * a2, lobe * lobe * (cos_o + o))
 }
 
 #[cfg(test)]

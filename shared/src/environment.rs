@@ -8,10 +8,21 @@
 //!
 //! so the middle of the picture shows +X, a quarter of its width to the right +Z, to the left -Z, and its ends -X.
 
+use bytemuck::{Pod, Zeroable};
 use core::f32::consts::{PI, TAU};
 use glam::{UVec2, Vec3};
 #[cfg(target_arch = "spirv")]
 use spirv_std::num_traits::Float;
+
+/// A texel as the GPU has it. 16 bytes.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct EnvironmentTexel {
+    /// nit, linear RGB
+    pub radiance: Vec3,
+    /// Place of its light among those of lit texels; [`crate::motion::NO_LIGHT`] for a black one.
+    pub light: u32,
+}
 
 /// The unit direction at cosθ and φ (radians).
 pub fn direction(cos_theta: f32, phi: f32) -> Vec3 {
@@ -20,11 +31,17 @@ pub fn direction(cos_theta: f32, phi: f32) -> Vec3 {
     Vec3::new(sin_theta * phi.cos(), cos_theta, sin_theta * phi.sin())
 }
 
+/// The inverse of [`direction`]: cosθ, and φ in [-π, π].
+pub fn angles(direction: Vec3) -> (f32, f32) {
+    // Straight up or down, any φ will do; atan2(0, 0) would not.
+    let level = direction.x != 0.0 || direction.z != 0.0;
+    (direction.y, if level { direction.z.atan2(direction.x) } else { 0.0 })
+}
+
 /// Index of the texel of a map of `size` that `direction` (unit) points to.
 pub fn texel_of(direction: Vec3, size: UVec2) -> u32 {
     let horizontal = (direction.x * direction.x + direction.z * direction.z).sqrt();
-    // Straight up or down, any column will do; atan2(0, 0) would not.
-    let phi = if horizontal > 0.0 { direction.z.atan2(direction.x) } else { 0.0 };
+    let (_, phi) = angles(direction);
     let theta = horizontal.atan2(direction.y);
     let x = ((0.5 + phi / TAU) * size.x as f32).max(0.0) as u32;
     let y = (theta / PI * size.y as f32).max(0.0) as u32;

@@ -10,6 +10,9 @@ use glam::UVec2;
 pub struct Settings {
     /// Candidates a reservoir is filled with in `initial`, 1..=1024. More: less noise, more time. No bias.
     pub candidates: u32,
+    /// Candidates that the surface's own reflectance looks for beside those, by a ray each, 0..=4: smooth surfaces need them.
+    /// They act where visibility reuse is on and rays can find lights ([`features::TRACEABLE`]). No bias.
+    pub bsdf_candidates: u32,
     /// 1: a shadow ray kills the reservoir of an occluded sample before it is reused (Bitterli et al. 2020, Alg. 5).
     /// Biased mode darkens near shadow edges for it, and is far less noisy.
     pub visibility_reuse: u32,
@@ -52,6 +55,13 @@ impl Settings {
         self.mode == mode::UNBIASED && self.visibility_reuse != 0
     }
 
+    /// BSDF candidates of each reservoir in a scene with `features`. A ray finds visible samples only, so hidden ones have to be
+    /// dropped too, or their weights would be wrong: visibility reuse does that.
+    pub fn bsdf_candidates(&self, features: u32) -> u32 {
+        let acts = self.visibility_reuse != 0 && features & features::TRACEABLE != 0;
+        if acts { self.bsdf_candidates } else { 0 }
+    }
+
     /// Shading asks again where visibility is not known, or where something is transparent: reuse sees opaque surfaces
     /// only. `features`: of the scene.
     pub fn shading_needs_rays(&self, features: u32) -> bool {
@@ -63,6 +73,7 @@ impl Default for Settings {
     fn default() -> Self {
         Settings {
             candidates: 32,
+            bsdf_candidates: 1,
             visibility_reuse: 1,
             temporal: 1,
             spatial: 1,
@@ -100,6 +111,8 @@ pub struct FrameConstants {
     pub background: glam::Vec3,
     /// Texels of the environment map; 0 without one.
     pub environment_size: UVec2,
+    /// Index of the light of the map's first lit texel.
+    pub first_environment_light: u32,
 }
 
 impl FrameConstants {
@@ -123,6 +136,8 @@ pub mod features {
     pub const UV_MAPS: u32 = 4;
     /// At least one material is masked or blended: any-hit shaders run on its triangles.
     pub const ALPHA: u32 = 8;
+    /// A ray may end where a light is known: there is an environment map, or a triangle that rays can find.
+    pub const TRACEABLE: u32 = 16;
     /// There is an environment map.
     pub const ENVIRONMENT: u32 = 1 << 16;
     /// There are lights of [`crate::light::kind`] k where bit k above this one is set.

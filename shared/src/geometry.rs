@@ -4,7 +4,7 @@ use crate::math::{cross, normalize_or, pack_direction, unpack_direction};
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3};
 
-/// One primitive (glTF) of one instance; the TLAS instance's custom index + the geometry index lead here. 100 bytes.
+/// One primitive (glTF) of one instance; the TLAS instance's custom index + the geometry index lead here. 104 bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct InstanceGeometry {
@@ -24,6 +24,8 @@ pub struct InstanceGeometry {
     pub normal_x: Vec3,
     pub normal_y: Vec3,
     pub normal_z: Vec3,
+    /// Index of its first triangle's light, or [`crate::motion::NO_LIGHT`] if rays that hit it find none.
+    pub first_light: u32,
 }
 
 /// What a vertex has beside its position. 20 bytes.
@@ -177,6 +179,7 @@ impl InstanceGeometry {
             normal_x,
             normal_y,
             normal_z,
+            first_light: crate::motion::NO_LIGHT,
         }
     }
 }
@@ -205,7 +208,7 @@ mod tests {
 
     #[test]
     fn memory_is_as_documented() {
-        assert_eq!(size_of::<InstanceGeometry>(), 100);
+        assert_eq!(size_of::<InstanceGeometry>(), 104);
         assert_eq!(size_of::<VertexAttributes>(), 20);
     }
 

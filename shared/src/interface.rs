@@ -52,6 +52,12 @@ pub mod miss {
     pub const SHADOW: u32 = 1;
 }
 
+/// Hit groups of passes with two kinds of rays, in the order of the shader binding table; other passes have one.
+pub mod hit_group {
+    pub const SHADOW: u32 = 0;
+    pub const NEAREST: u32 = 1;
+}
+
 /// Ids of specialisation constants.
 pub mod spec_constant {
     /// [`crate::frame::features`] of the scene.

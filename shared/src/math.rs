@@ -28,6 +28,15 @@ pub fn normalize_or(v: Vec3, fallback: Vec3) -> Vec3 {
     }
 }
 
+/// Two unit vectors that make a right-handed frame with the unit vector `n` (Duff et al. 2017, "Building an Orthonormal
+/// Basis, Revisited").
+pub fn basis(n: Vec3) -> (Vec3, Vec3) {
+    let sign = sign_not_zero(n.z);
+    let a = -1.0 / (sign + n.z);
+    let b = n.x * n.y * a;
+    (Vec3::new(1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x), Vec3::new(b, sign + n.y * n.y * a, -n.y))
+}
+
 /// `a` x `b`, accurate also for nearly parallel vectors, where the products cancel (Kahan's difference of products: each
 /// component within 2 ulp where the device fuses multiply-adds, as without it where not).
 pub fn cross(a: Vec3, b: Vec3) -> Vec3 {
@@ -127,6 +136,14 @@ mod tests {
             let error = unpack_direction(pack_direction(v)).cross(v).length();
             assert!(error < 1e-4, "{v} is off by {error} rad");
             assert!(unpack_direction(pack_direction(v)).dot(v) > 0.0, "{v} turned around");
+        }
+    }
+
+    #[test]
+    fn frames_are_right_handed() {
+        for n in directions() {
+            let (t, b) = basis(n);
+            assert!((t.cross(b) - n).length() < 1e-6 && t.dot(b).abs() < 1e-6, "{n}");
         }
     }
 

@@ -1,7 +1,7 @@
 //! Warps from the unit square: each with its density and its inverse.
 
 use crate::pdf::PdfArea;
-use glam::Vec2;
+use glam::{Vec2, Vec3};
 #[cfg(target_arch = "spirv")]
 use spirv_std::num_traits::Float;
 
@@ -28,6 +28,14 @@ pub fn square_to_disk(uv: Vec2) -> Vec2 {
     let angle = core::f32::consts::TAU * uv.y - core::f32::consts::PI;
     let radius = uv.x.sqrt();
     Vec2::new(radius * angle.cos(), radius * angle.sin())
+}
+
+/// Unit square -> directions with z above `least`, uniform over their solid angle.
+pub fn cap_direction(least: f32, uv: Vec2) -> Vec3 {
+    let z = 1.0 - uv.x * (1.0 - least);
+    let angle = core::f32::consts::TAU * uv.y - core::f32::consts::PI;
+    let radius = ((1.0 - z) * (1.0 + z)).max(0.0).sqrt();
+    Vec3::new(radius * angle.cos(), radius * angle.sin(), z)
 }
 
 #[cfg(test)]

@@ -2,7 +2,9 @@
 
 use crate::error::{Error, Result};
 use crate::scene::{EnvironmentSource, SceneSource};
-use crate::settings_file::{CANDIDATES, ITERATIONS, Mode, NEIGHBORS, RESERVOIRS, SettingsFile, Tiles};
+use crate::settings_file::{
+    BSDF_CANDIDATES, CANDIDATES, ITERATIONS, Mode, NEIGHBORS, RESERVOIRS, SettingsFile, Tiles,
+};
 use crate::vulkan::DeviceOptions;
 use clap::{Args, Parser, Subcommand};
 use glam::{DVec3, UVec2};
@@ -302,6 +304,8 @@ pub struct KnobArgs {
     pub settings: Option<PathBuf>,
     #[arg(long, value_parser = count(&CANDIDATES), help = knob("Light candidates a reservoir: more is less noise and more time", |d| d.candidates))]
     pub candidates: Option<u32>,
+    #[arg(long, value_parser = count(&BSDF_CANDIDATES), help = knob("Candidates that rays along the reflectance find, where triangles or an environment shine: smooth surfaces need them", |d| d.bsdf_candidates))]
+    pub bsdf_candidates: Option<u32>,
     #[arg(long, value_parser = count(&NEIGHBORS), help = knob("Neighbors of each spatial pass", |d| d.neighbors))]
     pub neighbors: Option<u32>,
     #[arg(long, value_parser = count(&ITERATIONS), help = knob("Spatial passes", |d| d.iterations))]
@@ -373,6 +377,7 @@ impl KnobArgs {
         let document = SettingsFile {
             mode: self.mode.unwrap_or(file.mode),
             candidates: self.candidates.unwrap_or(file.candidates),
+            bsdf_candidates: self.bsdf_candidates.unwrap_or(file.bsdf_candidates),
             visibility: switch(self.visibility, self.no_visibility, file.visibility),
             temporal: switch(self.temporal, self.no_temporal, file.temporal),
             spatial: switch(self.spatial, self.no_spatial, file.spatial),

@@ -40,7 +40,7 @@ struct Info {
 pub fn run(args: &InfoArgs) -> Result<()> {
     let scene = view::load(&args.scene)?;
     let lights = LightTable::new(&scene);
-    let arrays = SceneArrays::new(&scene)?;
+    let arrays = SceneArrays::new(&scene, &lights)?;
     let bounds = scene.bounds();
     let in_file = |p: Vec3| (scene.origin + p.as_dvec3()).to_array();
     let info = Info {

@@ -53,14 +53,18 @@ fn still(args: &RenderArgs, frames: u32) -> Result<()> {
     let lights = renderer.scene().light_count();
     println!("{}: {lights} lights, {}x{}, {} frames", device.info().name, size.x, size.y, frames);
     println!("{}", times.summary());
-    println!("rays a frame: {}", settings_rays(size, &settings));
+    println!("rays a frame: {}", settings_rays(size, &settings, renderer.scene().features()));
     output::check_validation(&device)
 }
 
 /// How many rays a frame traces: exact for primary rays; shadow rays are traced only where light could arrive.
-fn settings_rays(size: glam::UVec2, settings: &shared::frame::Settings) -> String {
+fn settings_rays(size: glam::UVec2, settings: &shared::frame::Settings, features: u32) -> String {
     let pixels = u64::from(size.x) * u64::from(size.y);
     let shadow = pixels * u64::from(settings.reservoirs);
     let initial = if settings.visibility_reuse != 0 { shadow } else { 0 };
-    format!("{pixels} primary, at most {initial} for visibility reuse, at most {shadow} for shading")
+    let found = match shadow * u64::from(settings.bsdf_candidates(features)) {
+        0 => String::new(),
+        rays => format!(" at most {rays} for BSDF candidates,"),
+    };
+    format!("{pixels} primary,{found} at most {initial} for visibility reuse, at most {shadow} for shading")
 }

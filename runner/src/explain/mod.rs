@@ -19,7 +19,7 @@ use crate::frame::history::History;
 use crate::frame::pass::{Role, Step};
 use crate::frame::recorder::{FrameOptions, Recorder};
 use crate::frame::schedule::Work;
-use crate::gpu_scene::arrays::SceneArrays;
+use crate::gpu_scene::arrays::{SceneArrays, environment_texels};
 use crate::scene::animation::Pose;
 use crate::scene::{SceneDescription, lights};
 use bytemuck::Pod;
@@ -29,7 +29,10 @@ use record::{PassReport, Shading, SurfaceReport};
 use replay::Replay;
 use shared::alpha;
 use shared::camera::Camera;
+use shared::environment::EnvironmentTexel;
 use shared::frame::{FrameConstants, mode};
+use shared::interface::HitPayload;
+use shared::light::found::Emitters;
 use shared::light::tile::{TileEntry, Tiles};
 use shared::light::{Light, LightTable, Lights, kind};
 use shared::motion::{InstanceMotion, PastLights};
@@ -43,6 +46,7 @@ use temporal::{Before, TemporalPass};
 pub struct World<'a> {
     occluders: Occluders<'a>,
     lights: lights::LightTable,
+    environment: Vec<EnvironmentTexel>,
     past: Option<Past>,
 }
 
@@ -56,8 +60,9 @@ struct Past {
 impl<'a> World<'a> {
     pub fn new(scene: &'a SceneDescription) -> Result<Self> {
         let lights = lights::LightTable::new(scene);
-        let arrays = SceneArrays::new(scene)?;
-        Ok(World { occluders: Occluders { scene, arrays }, lights, past: None })
+        let arrays = SceneArrays::new(scene, &lights)?;
+        let environment = environment_texels(scene);
+        Ok(World { occluders: Occluders { scene, arrays }, lights, environment, past: None })
     }
 
     /// Moves what `pose` moves to where `scene`, to which it was applied, has it: for the next frame, as
@@ -86,6 +91,20 @@ impl<'a> World<'a> {
 
     fn light_table(&self) -> LightTable<'_> {
         LightTable { lights: Lights::untextured(&self.lights.lights), alias: &self.lights.alias }
+    }
+
+    /// The light where a ray from `origin` along `direction` ends, as [`Emitters::light_at`] has it, and what it met there.
+    fn light_along(&self, frame: &FrameConstants, origin: Vec3, direction: Vec3) -> (u32, Option<Hit>) {
+        let met = self.occluders.surely_met(origin, direction);
+        let payload = match &met {
+            Some(hit) => {
+                HitPayload { hit: 1, instance: hit.geometry, primitive: hit.triangle, ..Default::default() }
+            }
+            None => HitPayload::default(),
+        };
+        let instances = &self.occluders.arrays.instances;
+        let emitters = Emitters::new(frame, self.features(), instances, &self.environment);
+        (emitters.light_at(payload, direction), met)
     }
 
     fn features(&self) -> u32 {

@@ -5,7 +5,7 @@ use crate::gpu_scene::arrays::{Placement, SceneArrays};
 use crate::scene::SceneDescription;
 use glam::{Affine3A, DVec3, Vec2, Vec3};
 use serde::Serialize;
-use shared::alpha::is_let_through;
+use shared::alpha::{SURE_HITS_ONLY, is_let_through};
 use shared::frame::features;
 use shared::geometry::{InstanceGeometry, interpolate, vertex_alpha};
 use shared::material::slot;
@@ -59,6 +59,11 @@ impl Occluders<'_> {
     /// What a ray from the eye sees: single-sided surfaces only from their front.
     pub fn seen(&self, eye: Vec3, direction: Vec3, key: u32) -> Option<Hit> {
         self.nearest(&self.arrays.transforms, [eye, direction], f64::INFINITY, key, true)
+    }
+
+    /// What a ray meets first that is surely in the way.
+    pub fn surely_met(&self, origin: Vec3, direction: Vec3) -> Option<Hit> {
+        self.nearest(&self.arrays.transforms, [origin, direction], f64::INFINITY, SURE_HITS_ONLY, false)
     }
 
     fn nearest(&self, places: &[Affine3A], ray: [Vec3; 2], t_max: f64, key: u32, culls: bool) -> Option<Hit> {

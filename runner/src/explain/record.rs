@@ -58,6 +58,8 @@ pub struct PassReport {
     pub canonical: Option<Merged>,
     /// ... and those it is merged with; the history is one.
     pub others: Vec<Neighbor>,
+    /// Of `initial`: how its BSDF candidates were looked for.
+    pub glances: Vec<Glance>,
     pub rays: Vec<Ray>,
     /// What the pass ends with, as the CPU has it.
     pub cpu: Survivor,
@@ -90,9 +92,11 @@ pub struct Tile {
 
 #[derive(Clone, Debug, Serialize)]
 pub struct Candidate {
+    /// `table`, `tile` or `bsdf`: where it comes from.
+    pub by: &'static str,
     pub light: u32,
     pub kind: &'static str,
-    /// p, in the light's measure: 1/m², 1/sr, or 1.
+    /// p of all techniques together, in the light's measure: 1/m², 1/sr, or 1.
     pub source_pdf: f32,
     /// p̂
     pub target: f32,
@@ -144,6 +148,21 @@ pub struct Ray {
     pub visible: bool,
     pub blocker: Option<Hit>,
     /// Only the opposite answer explains what the GPU computed: the ray passes an edge too closely for both to agree.
+    pub gpu_disagrees: bool,
+}
+
+/// A ray along the reflectance.
+#[derive(Clone, Debug, Serialize)]
+pub struct Glance {
+    pub origin: [f32; 3],
+    /// Unit.
+    pub direction: [f32; 3],
+    /// What the CPU's ray meets.
+    pub hit: Option<Hit>,
+    /// The light there, and the point on it, packed.
+    pub light: Option<u32>,
+    pub uv: u32,
+    /// The GPU found another light there, which the lines follow.
     pub gpu_disagrees: bool,
 }
 

@@ -2,13 +2,15 @@
 
 use super::World;
 use super::compare::{Difference, ROUNDING_ULPS, ulps};
-use super::record::{Candidate, Merged, Neighbor, PassReport, Ray, Shading, Survivor, Tile};
+use super::record::{Candidate, Glance, Merged, Neighbor, PassReport, Ray, Shading, Survivor, Tile};
 use glam::{Affine3A, UVec2, UVec4, Vec3};
 use shared::alpha::{self, SURE_HITS_ONLY};
 use shared::frame::{FrameConstants, mode};
-use shared::light::LightTable;
 use shared::light::tile::{self, TILE_SIZE, Tiles};
+use shared::light::{LightSample, LightTable};
 use shared::math::safe_ratio;
+use shared::motion::NO_LIGHT;
+use shared::resampling::initial::{Fresh, Techniques};
 use shared::resampling::pairwise::{Pairwise, Weighed};
 use shared::resampling::{
     CrossProposal, Pixels, initial, is_similar_distance, is_similar_normal, reservoir_index, spatial,
@@ -19,6 +21,9 @@ use shared::rng::{Rng, Stream};
 use shared::shading;
 use shared::shadow::ShadowRay;
 use shared::surface::{GBufferTexel, Surface};
+
+/// Steps of a light's grid that rounding may be off by: lavapipe's sine and cosine differ in the last bits, H100's by 1e-4.
+const NEAR: f32 = 16.0;
 
 /// The pixel to replay, and what all of its passes share.
 pub struct Replay<'a> {
@@ -62,10 +67,19 @@ impl Replayed {
 pub(super) struct Rays<'a> {
     world: &'a World<'a>,
     flips: u32,
+    /// Rays so far, of both kinds.
+    count: usize,
     asked: Vec<Ray>,
+    glances: Vec<Glance>,
 }
 
 impl Rays<'_> {
+    /// Is the answer of the next ray turned?
+    fn next_flips(&mut self) -> bool {
+        self.count += 1;
+        self.flips >> (self.count - 1) & 1 != 0
+    }
+
     pub(super) fn ask(&mut self, purpose: &'static str, ray: ShadowRay, key: u32) -> bool {
         self.ask_among(&self.world.occluders.arrays.transforms, purpose, ray, key)
     }
@@ -79,7 +93,7 @@ impl Rays<'_> {
         key: u32,
     ) -> bool {
         let blocker = self.world.occluders.blocker(places, ray, key);
-        let flip = self.flips >> self.asked.len() & 1 != 0;
+        let flip = self.next_flips();
         let visible = blocker.is_none();
         self.asked.push(Ray {
             purpose,
@@ -100,17 +114,22 @@ fn explain<T>(
     agrees: impl Fn(&T) -> bool,
 ) -> (T, Vec<Ray>) {
     let attempt = |flips| {
-        let mut rays = Rays { world, flips, asked: Vec::new() };
-        (replay(&mut rays), rays.asked)
+        let mut rays = Rays { world, flips, count: 0, asked: Vec::new(), glances: Vec::new() };
+        (replay(&mut rays), rays.asked, rays.count)
     };
-    let (first, rays) = attempt(0);
+    let (first, rays, count) = attempt(0);
     if agrees(&first) {
         return (first, rays);
     }
     // A flip may add a ray: one bit more than were asked.
-    let others = (1..2u32 << rays.len()).map(attempt);
-    let agreeing = others.into_iter().find(|(report, _)| agrees(report));
-    agreeing.unwrap_or((first, rays))
+    let agreeing = (1..2u32 << count).map(attempt).find(|(report, ..)| agrees(report));
+    agreeing.map_or((first, rays), |(report, rays, _)| (report, rays))
+}
+
+/// Are both on one light, at most [`NEAR`] steps of its grid apart?
+fn are_near(a: LightSample, b: LightSample) -> bool {
+    let [a_square, b_square] = [a, b].map(LightSample::square);
+    a.light == b.light && (a_square - b_square).abs().max_element() * 65536.0 <= NEAR
 }
 
 impl Replay<'_> {
@@ -170,77 +189,127 @@ impl Replay<'_> {
         tiles: Option<Tiles<'_>>,
         gpu: &[StoredReservoir],
     ) -> PassReport {
-        self.report(self.at(gpu, lane), |rays| {
-            let rng = self.rng(Stream::Initial, lane);
-            let (lights, candidates) = (self.lights(), self.frame.settings.candidates);
-            let (lines, tile, finished) = match tiles {
-                Some(tiles) => self.tile_candidates(tiles, lane, rng),
+        let gpu = self.at(gpu, lane);
+        self.report(gpu, |rays| {
+            let mut rng = self.rng(Stream::Initial, lane);
+            let (lights, techniques) = (self.lights(), self.techniques());
+            let tile = tiles.map(|tiles| (tiles, tile::tile_of(&self.frame, self.pixel, lane)));
+            let (mut lines, tile_report, mut walked) = match tile {
+                Some((tiles, tile)) => self.tile_candidates(tiles, tile, rng),
                 None => self.candidates(rng),
             };
-            let proposal = match tiles {
-                Some(tiles) => {
-                    let tile = tile::tile_of(&self.frame, self.pixel, lane);
-                    initial::propose_from_tile(
-                        &self.surface,
-                        lights,
-                        tiles,
-                        tile,
-                        candidates,
-                        &mut rng.clone(),
-                    )
+            let mut fresh = match tile {
+                Some((tiles, tile)) => {
+                    initial::from_tile(&self.surface, lights, techniques, tiles, tile, &mut rng)
                 }
-                None => initial::propose(&self.surface, lights, candidates, &mut rng.clone()),
+                None => initial::from_table(&self.surface, lights, techniques, &mut rng),
             };
+            for _ in 0..techniques.bsdf {
+                let glance = initial::Glance::new(&self.surface, &mut rng);
+                if glance.is_worth_tracing(&self.surface) {
+                    let candidate = self.found(&glance, gpu, rays);
+                    fresh.add_found(candidate);
+                    let chosen = walked.add_found(candidate);
+                    lines.push(self.line("bsdf", candidate, &walked, chosen));
+                }
+            }
+            let proposal = fresh.finish(&self.surface, lights);
             let visible = self.is_seen(&proposal, self.frame.settings.visibility_reuse != 0, rays);
-            let report = PassReport { pass, reservoir: lane, tile, candidates: lines, ..Default::default() };
+            let report = PassReport {
+                pass,
+                reservoir: lane,
+                tile: tile_report,
+                candidates: lines,
+                glances: std::mem::take(&mut rays.glances),
+                ..Default::default()
+            };
+            let finished = walked.finish(&self.surface, lights).reservoir;
             Replayed::new(report, initial::accept(proposal, visible), finished, visible)
         })
     }
 
-    fn candidates(&self, mut rng: Rng) -> (Vec<Candidate>, Option<Tile>, StoredReservoir) {
-        let mut reservoir = Reservoir::default();
-        let lines = (0..self.frame.settings.candidates)
-            .map(|_| self.compete(initial::candidate(&self.surface, self.lights(), &mut rng), &mut reservoir))
-            .collect();
-        (lines, None, self.lights().canonical(reservoir.finish(reservoir.confidence)))
+    fn techniques(&self) -> Techniques {
+        Techniques::new(&self.frame.settings, self.world.features())
+    }
+
+    fn candidates(&self, mut rng: Rng) -> (Vec<Candidate>, Option<Tile>, Fresh) {
+        let mut fresh = Fresh::default();
+        let techniques = self.techniques();
+        let lines = (0..techniques.lights).map(|_| {
+            let candidate = initial::candidate(&self.surface, self.lights(), techniques, &mut rng);
+            let chosen = fresh.add(candidate);
+            self.line("table", candidate, &fresh, chosen)
+        });
+        (lines.collect(), None, fresh)
     }
 
     fn tile_candidates(
         &self,
         tiles: Tiles<'_>,
-        lane: u32,
+        tile: u32,
         mut rng: Rng,
-    ) -> (Vec<Candidate>, Option<Tile>, StoredReservoir) {
-        let tile = tile::tile_of(&self.frame, self.pixel, lane);
-        let (mut reservoir, mut random, mut equal_entries) = (Reservoir::default(), UVec4::ZERO, 0);
-        let mut lines = Vec::new();
-        for i in 0..self.frame.settings.candidates {
+    ) -> (Vec<Candidate>, Option<Tile>, Fresh) {
+        let (mut fresh, mut random, mut equal_entries) = (Fresh::default(), UVec4::ZERO, 0);
+        let (mut lines, lights, techniques) = (Vec::new(), self.lights(), self.techniques());
+        for i in 0..techniques.lights {
             random = initial::numbers_from_tile(i, random, &mut rng);
-            let candidate = initial::candidate_from_tile(&self.surface, self.lights(), tiles, tile, random);
+            let candidate =
+                initial::candidate_from_tile(&self.surface, lights, techniques, tiles, tile, random);
             let place = candidate.sample.uv;
-            let (entry, point) = tile::presample(self.lights(), tile, place % TILE_SIZE, &self.frame);
+            let (entry, point) = tile::presample(lights, tile, place % TILE_SIZE, &self.frame);
             let same = entry.light() == candidate.sample.light && point == tiles.points[place as usize];
             equal_entries += u32::from(same);
-            lines.push(self.compete(candidate, &mut reservoir));
+            let chosen = fresh.add(candidate);
+            lines.push(self.line("tile", candidate, &fresh, chosen));
         }
-        let mut finished = reservoir.finish(reservoir.confidence);
-        if finished.contribution_weight > 0.0 {
-            finished.sample.uv = tiles.points[finished.sample.uv as usize];
-        }
-        (lines, Some(Tile { tile, equal_entries }), self.lights().canonical(finished))
+        (lines, Some(Tile { tile, equal_entries }), fresh.looked_up(tiles))
     }
 
-    fn compete(&self, candidate: initial::Candidate, reservoir: &mut Reservoir) -> Candidate {
-        let chosen = candidate.compete(reservoir);
+    /// `fresh`: with the candidate.
+    fn line(
+        &self,
+        by: &'static str,
+        candidate: initial::Candidate,
+        fresh: &Fresh,
+        chosen: bool,
+    ) -> Candidate {
         Candidate {
+            by,
             light: candidate.sample.light,
             kind: self.world.kind(candidate.sample.light),
             source_pdf: candidate.source_pdf.0,
             target: candidate.target,
             weight: candidate.weight(),
-            weight_sum: reservoir.weight_sum,
+            weight_sum: fresh.reservoir.weight_sum,
             chosen,
         }
+    }
+
+    /// What a ray along the reflectance finds. `gpu`: what the pass ended with; a flip takes its sample for what was found, as
+    /// directions are rounded otherwise on the GPU.
+    fn found(
+        &self,
+        glance: &initial::Glance,
+        gpu: StoredReservoir,
+        rays: &mut Rays<'_>,
+    ) -> initial::Candidate {
+        let (surface, lights) = (&self.surface, self.lights());
+        let (light, hit) = self.world.light_along(&self.frame, glance.origin, glance.direction);
+        let candidate = glance.candidate(surface, lights, self.techniques(), light);
+        let found = candidate.sample;
+        let flip = rays.next_flips() && gpu.contribution_weight > 0.0;
+        rays.glances.push(Glance {
+            origin: glance.origin.to_array(),
+            direction: glance.direction.to_array(),
+            hit,
+            light: (light != NO_LIGHT).then_some(light),
+            uv: found.uv,
+            gpu_disagrees: flip && !are_near(found, gpu.sample),
+        });
+        if !flip {
+            return candidate;
+        }
+        glance.candidate_at(surface, lights, self.techniques(), gpu.sample)
     }
 
     /// Why `texel` does not hold a surface like the pixel's own, at `distance` from its camera and with `normal`.

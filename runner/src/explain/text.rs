@@ -1,7 +1,7 @@
 //! An explanation as text.
 
 use super::compare::{Difference, ROUNDING_ULPS};
-use super::record::{Explanation, Neighbor, PassReport, Ray, Shading, Survivor};
+use super::record::{Explanation, Glance, Neighbor, PassReport, Ray, Shading, Survivor};
 use std::fmt::{Display, Formatter, Result};
 
 /// Six significant digits.
@@ -104,7 +104,8 @@ impl Explanation {
     pub fn disagreeing_rays(&self) -> usize {
         let of_passes = self.passes.iter().flat_map(|pass| &pass.rays);
         let of_shading = self.shading.iter().flat_map(|shading| &shading.rays);
-        of_passes.chain(of_shading).filter(|ray| ray.gpu_disagrees).count()
+        let glances = self.passes.iter().flat_map(|pass| &pass.glances).filter(|g| g.gpu_disagrees).count();
+        of_passes.chain(of_shading).filter(|ray| ray.gpu_disagrees).count() + glances
     }
 
     /// Same survivors, same confidences, and all else within rounding.
@@ -130,14 +131,15 @@ impl Display for PassReport {
         if !self.candidates.is_empty() {
             writeln!(
                 f,
-                "    {:>8} {:11} {:>12} {:>12} {:>12} {:>12}",
-                "light", "kind", "p", "p̂", "w = p̂/p", "Σw"
+                "    {:5} {:>8} {:11} {:>12} {:>12} {:>12} {:>12}",
+                "by", "light", "kind", "p", "p̂", "w = p̂/p", "Σw"
             )?;
         }
         for c in &self.candidates {
             let [p, target, weight, sum] = [c.source_pdf, c.target, c.weight, c.weight_sum].map(number);
             let (mark, light, kind) = (mark(c.chosen), c.light, c.kind);
-            writeln!(f, "  {mark} {light:>8} {kind:11} {p:>12} {target:>12} {weight:>12} {sum:>12}")?;
+            let by = c.by;
+            writeln!(f, "  {mark} {by:5} {light:>8} {kind:11} {p:>12} {target:>12} {weight:>12} {sum:>12}")?;
         }
         if let Some(own) = &self.canonical {
             let line = Neighbor { merged: Some(own.clone()), ..Neighbor::default() };
@@ -155,6 +157,7 @@ impl Display for PassReport {
                 None => write_merged(f, &pixel, other)?,
             }
         }
+        self.glances.iter().try_for_each(|glance| write!(f, "{glance}"))?;
         self.rays.iter().try_for_each(|ray| write!(f, "{ray}"))?;
         writeln!(f, "  cpu {}", self.cpu)?;
         writeln!(f, "  gpu {}: {}", self.gpu, self.difference)
@@ -178,6 +181,22 @@ fn write_merged(f: &mut Formatter<'_>, pixel: &str, line: &Neighbor) -> Result {
         number(merged.mis_weight),
         number(merged.weight),
     )
+}
+
+impl Display for Glance {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        let (origin, direction) = (vector(self.origin), vector(self.direction));
+        write!(f, "  ray along the reflectance: from {origin} along {direction}: ")?;
+        match &self.hit {
+            None => write!(f, "leaves the scene")?,
+            Some(hit) => write!(f, "meets instance '{}', triangle {}", hit.instance, hit.triangle)?,
+        }
+        match self.light {
+            None => write!(f, ", finds no light")?,
+            Some(light) => write!(f, ", finds light {light}")?,
+        }
+        writeln!(f, "{}", if self.gpu_disagrees { "; THE GPU FOUND ANOTHER" } else { "" })
+    }
 }
 
 impl Display for Ray {

@@ -15,6 +15,8 @@ pub enum Stage {
 pub enum Rays {
     Primary,
     Shadow,
+    /// Shadow rays, and rays that look for the nearest light where the scene has lights that rays can find.
+    Both,
 }
 
 /// What a binding of set 1 is used for. The physical buffer behind a role changes from frame to frame.

@@ -81,33 +81,57 @@ impl Pipelines {
             return Ok(PassPipeline::Compute(pipeline));
         };
         let misses = [Code::load("primary_miss")?, Code::load("shadow_miss")?];
-        let closest_hit = Code::load("closest_hit")?;
-        // Without any-hit, shadow rays run no hit shader, but their table still needs a record.
-        let any_hit = any_hit(rays, self.features).map(Code::load).transpose()?;
-        let hit = HitGroup {
-            closest_hit: (rays == Rays::Primary).then(|| closest_hit.shader()),
-            any_hit: any_hit.as_ref().map(Code::shader),
-        };
+        let codes: Vec<GroupCode> =
+            hit_groups(rays, self.features).into_iter().map(GroupCode::load).collect::<Result<_>>()?;
+        let groups: Vec<HitGroup> = codes.iter().map(GroupCode::shaders).collect();
         let desc = RayPipelineDesc {
             name: pass.stem,
             raygen: code.shader(),
             miss: &[misses[0].shader(), misses[1].shader()],
-            hit_groups: &[hit],
+            hit_groups: &groups,
             interface,
         };
         Ok(PassPipeline::Rays(Box::new(RayPipeline::new(&self.device, cache, &desc)?)))
     }
 }
 
-/// The any-hit shader of rays in scenes with these features.
-pub fn any_hit(rays: Rays, features: u32) -> Option<&'static str> {
-    if features & features::ALPHA == 0 {
-        return None;
+/// Entry points of a hit group. Shadow rays without any-hit run no shader, but their table still needs a record.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct GroupShaders {
+    pub closest_hit: Option<&'static str>,
+    pub any_hit: Option<&'static str>,
+}
+
+/// The hit groups of rays in scenes with these features, in the order of [`shared::interface::hit_group`].
+pub fn hit_groups(rays: Rays, features: u32) -> Vec<GroupShaders> {
+    let any_hit = |stem| (features & features::ALPHA != 0).then_some(stem);
+    let shadow = GroupShaders { closest_hit: None, any_hit: any_hit("shadow_any_hit") };
+    let nearest = GroupShaders { closest_hit: Some("closest_hit"), any_hit: any_hit("primary_any_hit") };
+    match rays {
+        Rays::Primary => vec![nearest],
+        Rays::Both if features & features::TRACEABLE != 0 => vec![shadow, nearest],
+        Rays::Shadow | Rays::Both => vec![shadow],
     }
-    Some(match rays {
-        Rays::Primary => "primary_any_hit",
-        Rays::Shadow => "shadow_any_hit",
-    })
+}
+
+/// The code of a hit group.
+struct GroupCode {
+    closest_hit: Option<Code>,
+    any_hit: Option<Code>,
+}
+
+impl GroupCode {
+    fn load(GroupShaders { closest_hit, any_hit }: GroupShaders) -> Result<Self> {
+        let load = |stem: Option<&str>| stem.map(Code::load).transpose();
+        Ok(GroupCode { closest_hit: load(closest_hit)?, any_hit: load(any_hit)? })
+    }
+
+    fn shaders(&self) -> HitGroup<'_> {
+        HitGroup {
+            closest_hit: self.closest_hit.as_ref().map(Code::shader),
+            any_hit: self.any_hit.as_ref().map(Code::shader),
+        }
+    }
 }
 
 impl Code {

@@ -180,6 +180,7 @@ impl Recorder {
             exposure: options.exposure,
             background: options.background,
             environment_size: self.scene.environment_size(),
+            first_environment_light: self.scene.first_environment_light(),
         };
         let (steps, next) = schedule(&options.work, history.rotation, moved);
         for step in &steps {

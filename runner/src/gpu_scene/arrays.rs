@@ -1,13 +1,17 @@
 //! A scene as the flat arrays that the GPU reads; still plain CPU data.
 
 use crate::error::{Error, Result};
+use crate::scene::environment::shines;
+use crate::scene::lights::{LightTable, is_traceable};
 use crate::scene::{AlphaMode, Material, Mesh, Primitive, SceneDescription, Workflow};
 use glam::{Affine3A, Vec2, Vec3, Vec4};
+use shared::environment::EnvironmentTexel;
 use shared::frame::features;
 use shared::geometry::{InstanceGeometry, VertexAttributes, pack_tangent};
 use shared::light::kind;
 use shared::material::{NO_TEXTURE, UvMap, flag};
 use shared::math::pack_direction;
+use shared::motion::NO_LIGHT;
 use std::ops::Range;
 
 /// Everything that set 0 holds, but for textures and acceleration structures.
@@ -33,6 +37,8 @@ pub struct SceneArrays {
 /// Where a primitive lies in [`SceneArrays`], and how rays meet it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PrimitiveRange {
+    /// Its index in the mesh.
+    pub primitive: usize,
     pub first_vertex: u32,
     pub vertex_count: u32,
     pub first_index: u32,
@@ -60,7 +66,8 @@ pub struct Placement {
 }
 
 impl SceneArrays {
-    pub fn new(scene: &SceneDescription) -> Result<Self> {
+    /// `table`: the scene's lights.
+    pub fn new(scene: &SceneDescription, table: &LightTable) -> Result<Self> {
         let mut arrays = SceneArrays { features: features_of(scene), ..Default::default() };
         arrays.transforms = scene.instances.iter().map(|instance| instance.transform).collect();
         arrays.materials = scene.materials.iter().map(gpu_material).collect();
@@ -80,6 +87,7 @@ impl SceneArrays {
                 }
             }
         }
+        arrays.set_lights(table);
         Ok(arrays)
     }
 
@@ -101,8 +109,21 @@ impl SceneArrays {
     pub fn place(&mut self, i: usize, transform: Affine3A) {
         self.transforms[i] = transform;
         for geometry in self.geometries_of(i) {
-            let InstanceGeometry { first_index, first_vertex, material, .. } = self.instances[geometry];
-            self.instances[geometry] = InstanceGeometry::new(transform, first_index, first_vertex, material);
+            let InstanceGeometry { first_index, first_vertex, material, first_light, .. } =
+                self.instances[geometry];
+            let moved = InstanceGeometry::new(transform, first_index, first_vertex, material);
+            self.instances[geometry] = InstanceGeometry { first_light, ..moved };
+        }
+    }
+
+    /// Tells geometries which lights their triangles are.
+    pub fn set_lights(&mut self, table: &LightTable) {
+        for placement in &self.placements {
+            for (i, range) in self.parts[placement.part].ranges.iter().enumerate() {
+                let light = table.traceable(placement.instance, range.primitive);
+                self.instances[placement.custom_index as usize + i].first_light =
+                    light.map_or(NO_LIGHT, |light| light as u32);
+            }
         }
     }
 
@@ -116,8 +137,7 @@ impl SceneArrays {
             if primitives.is_empty() {
                 continue;
             }
-            let range =
-                |&p: &usize| self.add_primitive(&mesh.primitives[p], material(p).alpha == AlphaMode::Opaque);
+            let range = |&p: &usize| self.add_primitive(mesh, p, material(p).alpha == AlphaMode::Opaque);
             let ranges = primitives.iter().map(range).collect::<Result<_>>()?;
             self.parts.push(Part { double_sided, ranges });
             parts.push((self.parts.len() - 1, primitives));
@@ -125,8 +145,10 @@ impl SceneArrays {
         Ok(parts)
     }
 
-    fn add_primitive(&mut self, primitive: &Primitive, opaque: bool) -> Result<PrimitiveRange> {
+    fn add_primitive(&mut self, mesh: &Mesh, index: usize, opaque: bool) -> Result<PrimitiveRange> {
+        let primitive = &mesh.primitives[index];
         let range = PrimitiveRange {
+            primitive: index,
             first_vertex: index32(self.positions.len())?,
             vertex_count: index32(primitive.positions.len())?,
             first_index: index32(self.indices.len())?,
@@ -189,6 +211,16 @@ fn gpu_material(material: &Material) -> shared::material::Material {
     }
 }
 
+/// An environment map as the GPU has it; empty without one.
+pub fn environment_texels(scene: &SceneDescription) -> Vec<EnvironmentTexel> {
+    let mut lit = 0..NO_LIGHT;
+    let texel = |&radiance: &Vec3| EnvironmentTexel {
+        radiance,
+        light: if shines(radiance) { lit.next().unwrap_or(NO_LIGHT) } else { NO_LIGHT },
+    };
+    scene.environment.iter().flat_map(|map| &map.radiance).map(texel).collect()
+}
+
 /// What the scene's pipelines are specialised for.
 fn features_of(scene: &SceneDescription) -> u32 {
     let mut bits = if scene.environment.is_some() { features::ENVIRONMENT } else { 0 };
@@ -201,6 +233,8 @@ fn features_of(scene: &SceneDescription) -> u32 {
     ] {
         bits |= if there { features::light_kind(kind) } else { 0 };
     }
+    let traceable = scene.environment.is_some() || scene.materials.iter().any(is_traceable);
+    bits |= if traceable { features::TRACEABLE } else { 0 };
     for m in &scene.materials {
         for (_, map) in m.textures().iter().zip(&m.uv_maps).filter(|(texture, _)| texture.is_some()) {
             bits |= features::TEXTURES;

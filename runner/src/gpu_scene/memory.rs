@@ -4,6 +4,7 @@ use super::arrays::SceneArrays;
 use crate::scene::lights::LightTable;
 use crate::scene::{Image, SceneDescription};
 use serde::Serialize;
+use shared::environment::EnvironmentTexel;
 use shared::light::kind;
 use shared::material::slot;
 use std::collections::HashSet;
@@ -54,7 +55,11 @@ pub fn costs(scene: &SceneDescription, lights: &LightTable, arrays: &SceneArrays
     );
     if let Some(map) = &scene.environment {
         let (x, y) = (map.size.x, map.size.y);
-        add("environment map", size_of_val(&map.radiance[..]), format!("{x} x {y} texels, as a background"));
+        add(
+            "environment map",
+            map.radiance.len() * size_of::<EnvironmentTexel>(),
+            format!("{x} x {y} texels, as a background"),
+        );
     }
     costs.extend(images(scene));
     costs
@@ -121,7 +126,7 @@ mod tests {
     fn plain_scenes_pay_for_nothing_else() {
         let scene = fixtures::all().into_iter().find(|(name, _)| *name == "cornell-box").unwrap().1;
         let lights = LightTable::new(&scene);
-        let arrays = SceneArrays::new(&scene).unwrap();
+        let arrays = SceneArrays::new(&scene, &lights).unwrap();
         let names: Vec<_> = costs(&scene, &lights, &arrays).iter().map(|cost| cost.feature).collect();
         assert_eq!(names, ["geometry", "materials", "emissive triangles", "alias table"]);
     }

@@ -12,7 +12,7 @@ use crate::vulkan::{
     Binding, BlasGeometry, BlasSet, Buffer, DescriptorSet, Device, Image, SetLayout, Tlas, TlasInstance,
     Uploader,
 };
-use arrays::SceneArrays;
+use arrays::{SceneArrays, environment_texels};
 use ash::vk;
 use glam::{Affine3A, UVec2, Vec3A};
 use past::Past;
@@ -26,6 +26,7 @@ pub struct GpuScene {
     set: DescriptorSet,
     light_count: u32,
     environment_size: UVec2,
+    first_environment_light: u32,
     features: u32,
     /// Without the geometry.
     arrays: SceneArrays,
@@ -42,8 +43,7 @@ impl GpuScene {
     /// Uploads `scene` and builds its acceleration structures.
     pub fn new(device: &Device, scene: &SceneDescription) -> Result<Self> {
         let lights = LightTable::new(scene);
-        let arrays = SceneArrays::new(scene)?;
-        let environment = scene.environment.as_ref().map_or(&[][..], |map| &map.radiance);
+        let arrays = SceneArrays::new(scene, &lights)?;
         let mut upload = Uploader::new(device);
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
         let positions = upload.buffer("positions", &arrays.positions, storage | BUILD_INPUT)?;
@@ -57,7 +57,10 @@ impl GpuScene {
             (scene_binding::LIGHTS, upload.buffer("lights", &lights.lights, storage)?),
             (scene_binding::ALIAS, upload.buffer("alias table", &lights.alias, storage)?),
             (scene_binding::SECOND_UVS, upload.buffer("second uvs", &arrays.second_uvs, storage)?),
-            (scene_binding::ENVIRONMENT, upload.buffer("environment map", environment, storage)?),
+            (
+                scene_binding::ENVIRONMENT,
+                upload.buffer("environment map", &environment_texels(scene), storage)?,
+            ),
         ]);
         let (textures, views) = upload_textures(device, &mut upload, scene)?;
         upload.finish()?;
@@ -80,6 +83,7 @@ impl GpuScene {
             set,
             light_count: lights.lights.len() as u32,
             environment_size: scene.environment.as_ref().map_or(UVec2::ZERO, |map| map.size),
+            first_environment_light: lights.first_environment as u32,
             features: arrays.features,
             arrays: arrays.without_geometry(),
             buffers,
@@ -101,6 +105,11 @@ impl GpuScene {
     /// Texels of the environment map; 0 without one.
     pub fn environment_size(&self) -> UVec2 {
         self.environment_size
+    }
+
+    /// Index of the light of the map's first lit texel.
+    pub fn first_environment_light(&self) -> u32 {
+        self.first_environment_light
     }
 
     /// [`shared::frame::features`] of the scene.

@@ -114,6 +114,7 @@ impl GpuScene {
             let then = |&light: &u32| to_current.get(light as usize).copied().unwrap_or(NO_LIGHT);
             to_current = first.iter().map(then).collect();
         }
+        self.arrays.set_lights(&table);
         let to_previous = inverse_map(&to_current, table.lights.len());
         let mut upload = Uploader::new(device);
         let maps = [&to_current, &to_previous].map(|map| upload.buffer("light map", map, STORAGE));
@@ -131,6 +132,7 @@ impl GpuScene {
         self.buffers.insert(scene_binding::ALIAS, alias);
         self.buffers.insert(scene_binding::INSTANCES, instances);
         self.light_count = past.table.lights.len() as u32;
+        self.first_environment_light = past.table.first_environment as u32;
         past.now = Changes {
             any: true,
             instances: std::mem::take(&mut past.now.instances),

@@ -15,6 +15,11 @@ pub struct Environment {
     pub radiance: Vec<Vec3>,
 }
 
+/// Is a texel of this radiance a light? Black ones are none.
+pub fn shines(radiance: Vec3) -> bool {
+    radiance != Vec3::ZERO
+}
+
 /// Names [`studio`] where a file's path could stand.
 pub const STUDIO: &str = "studio";
 

@@ -1,11 +1,14 @@
 //! Every knob of the estimator: its words, its steps, and the presets.
 
-use crate::settings_file::{CANDIDATES, ITERATIONS, Mode, NEIGHBORS, RESERVOIRS, SettingsFile, Tiles};
+use crate::settings_file::{
+    BSDF_CANDIDATES, CANDIDATES, ITERATIONS, Mode, NEIGHBORS, RESERVOIRS, SettingsFile, Tiles,
+};
 use std::ops::RangeInclusive;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Knob {
     Candidates,
+    BsdfCandidates,
     Visibility,
     Temporal,
     Spatial,
@@ -44,7 +47,7 @@ const CAPS: RangeInclusive<f32> = 1.0..=100.0;
 
 impl Knob {
     /// In the order of the panel: the thesis's first.
-    pub const ALL: [Knob; 13] = [
+    pub const ALL: [Knob; 14] = [
         Knob::Candidates,
         Knob::Visibility,
         Knob::Temporal,
@@ -57,6 +60,7 @@ impl Knob {
         Knob::Reservoirs,
         Knob::Radius,
         Knob::ConfidenceCap,
+        Knob::BsdfCandidates,
         Knob::Tiles,
     ];
 
@@ -69,6 +73,7 @@ impl Knob {
                 let next = if up { s.candidates.saturating_mul(2) } else { s.candidates / 2 };
                 s.candidates = next.clamp(*CANDIDATES.start(), *CANDIDATES.end());
             }
+            Knob::BsdfCandidates => count(&mut s.bsdf_candidates, up, &BSDF_CANDIDATES),
             Knob::Visibility => s.visibility = up,
             Knob::Temporal => s.temporal = up,
             Knob::Spatial => s.spatial = up,
@@ -106,6 +111,7 @@ impl Knob {
         let switch = |on: bool| if on { "on" } else { "off" }.to_string();
         match self {
             Knob::Candidates => s.candidates.to_string(),
+            Knob::BsdfCandidates => s.bsdf_candidates.to_string(),
             Knob::Visibility => switch(s.visibility),
             Knob::Temporal => switch(s.temporal),
             Knob::Spatial => switch(s.spatial),
@@ -140,6 +146,14 @@ impl Knob {
                 higher: "less noise; time grows with it",
                 lower: "faster, noisier",
                 bias: "none",
+            },
+            Knob::BsdfCandidates => About {
+                name: "BSDF samples",
+                unit: "rays a reservoir, 0 to 4",
+                meaning: "Rays along the reflection that look for triangles and the environment.",
+                higher: "less noise in smooth surfaces; a ray each",
+                lower: "faster; 0: mirrors show specks",
+                bias: "none; they act with visibility reuse only",
             },
             Knob::Visibility => About {
                 name: "Visibility reuse",

@@ -1,5 +1,6 @@
 //! Lights: one `Light` for every kind, in world space and photometric units, as the GPU reads it.
 
+pub mod found;
 #[cfg(test)]
 mod sampling_tests;
 mod table;
@@ -17,7 +18,7 @@ use crate::frame::features;
 use crate::math::luminance;
 use crate::math::{cross, normalize_or, safe_ratio};
 use crate::pdf::SourcePdf;
-use crate::sampling::{square_to_triangle, triangle_pdf};
+use crate::sampling::{square_to_triangle, triangle_pdf, triangle_to_square};
 use bytemuck::{Pod, Zeroable};
 #[cfg(not(target_arch = "spirv"))]
 use core::f32::consts::PI;
@@ -43,6 +44,9 @@ pub mod kind {
 
 /// `Light::flags`: both sides of a triangle emit.
 pub const DOUBLE_SIDED: u32 = 1;
+/// `Light::flags`: a ray that ends on the triangle does not know that it found this light (a part of a texture), or passes it
+/// (a transparent one).
+pub const UNTRACEABLE: u32 = 2;
 
 /// How far light from infinity is followed, in radii of the scene: from any point of the bounding sphere to beyond it.
 const REACH: f32 = 2.01;
@@ -58,7 +62,7 @@ pub struct Light {
     /// Triangle: second vertex - first vertex, m. Spot: unit direction it shines in. Directional: unit direction to it.
     /// Environment: (φ of its left edge, cosθ of its lower edge, 0).
     pub edge1: Vec3,
-    /// [`DOUBLE_SIDED`].
+    /// [`DOUBLE_SIDED`] and [`UNTRACEABLE`].
     pub flags: u32,
     /// Triangle: third vertex - first vertex, m. Spot: (cosine of the outer angle, 1 / (cosine of the inner angle - that),
     /// 0). Directional, environment: (radius of the scene's bounding sphere, m, width in φ, height in cosθ).
@@ -88,6 +92,9 @@ pub struct Incident {
     /// What arrives per unit of the light's measure, without the receiver's cosine: Le cosθ'/d² (nit/m²) for an area,
     /// I/d² (lx) for a point, E (lx) from a direction, L (nit) for a solid angle. Linear RGB, unshadowed.
     pub irradiance: Vec3,
+    /// Solid angle per unit of the light's measure, as the receiver sees it: cosθ'/d² (sr/m²) for an area, 1 for a solid angle;
+    /// 0 for lights that no ray in a random direction can find.
+    pub solid_angle: f32,
 }
 
 #[cfg(not(target_arch = "spirv"))]
@@ -214,12 +221,12 @@ impl Light {
             return self.sample_triangle(square, receiver);
         }
         if self.is_a(kind::DIRECTIONAL, features) {
-            return from_infinity(self.edge1, self.edge2.x, receiver, self.emission);
+            return from_infinity(self.edge1, self.edge2.x, receiver, self.emission, 0.0);
         }
         if self.is_a(kind::ENVIRONMENT, features) {
             let cos_theta = self.edge1.y + square.y * self.edge2.z;
             let direction = environment::direction(cos_theta, self.edge1.x + square.x * self.edge2.y);
-            return from_infinity(direction, self.edge2.x, receiver, self.emission);
+            return from_infinity(direction, self.edge2.x, receiver, self.emission, 1.0);
         }
         let incident = from_point(self.position, receiver, self.emission);
         if self.is_a(kind::SPOT, features) {
@@ -250,6 +257,7 @@ impl Light {
             normal = -normal;
         }
         let cos_light = (-normal.dot(direction)).max(0.0);
+        let traceable = if self.flags & UNTRACEABLE == 0 { 1.0 } else { 0.0 };
         Incident {
             position,
             normal,
@@ -257,7 +265,25 @@ impl Light {
             direction,
             distance,
             irradiance: fall_off(self.emission, cos_light, &ray),
+            solid_angle: traceable * cos_light * ray.inverse_square,
         }
+    }
+
+    /// The inverse of [`Light::sample_li`] for a triangle or a texel: the point of the unit square that lies in `direction`
+    /// (unit) from `receiver`; the nearest one, where rounding leads past an edge.
+    pub fn invert_li(&self, direction: Vec3, receiver: Vec3) -> Vec2 {
+        if self.kind == kind::ENVIRONMENT {
+            let (cos_theta, phi) = environment::angles(direction);
+            let place = Vec2::new(phi - self.edge1.x, cos_theta - self.edge1.y);
+            return Vec2::new(safe_ratio(place.x, self.edge2.y), safe_ratio(place.y, self.edge2.z));
+        }
+        // Cramer's rule for receiver + t direction = position + b1 edge1 + b2 edge2 (Möller & Trumbore 1997).
+        let p = cross(direction, self.edge2);
+        let determinant = self.edge1.dot(p);
+        let s = (receiver - self.position) * if determinant < 0.0 { -1.0 } else { 1.0 };
+        let q = cross(s, self.edge1);
+        let b = Vec2::new(s.dot(p), direction.dot(q)) * safe_ratio(1.0, determinant.abs());
+        triangle_to_square(b.max(Vec2::ZERO))
     }
 }
 
@@ -271,14 +297,20 @@ fn from_point(position: Vec3, receiver: Vec3, intensity: Vec3) -> Incident {
     let ray = Segment::new(receiver, position);
     let irradiance = fall_off(intensity, 1.0, &ray);
     let Segment { direction, distance, .. } = ray;
-    Incident { position, normal: Vec3::ZERO, magnitude: 0.0, direction, distance, irradiance }
+    Incident { position, direction, distance, irradiance, ..Incident::default() }
 }
 
 /// Light from `direction` that knows no distance, in a scene with a bounding sphere of `radius` m.
-fn from_infinity(direction: Vec3, radius: f32, receiver: Vec3, irradiance: Vec3) -> Incident {
+fn from_infinity(
+    direction: Vec3,
+    radius: f32,
+    receiver: Vec3,
+    irradiance: Vec3,
+    solid_angle: f32,
+) -> Incident {
     let distance = REACH * radius;
     let position = receiver + direction * distance;
-    Incident { position, normal: Vec3::ZERO, magnitude: 0.0, direction, distance, irradiance }
+    Incident { position, direction, distance, irradiance, solid_angle, ..Incident::default() }
 }
 
 /// From a receiver to a point.

@@ -1,7 +1,8 @@
 //! The light table: what a reservoir's sample means, and how one is drawn.
 
 use super::{Incident, Light};
-use crate::pdf::SourcePdf;
+use crate::motion::NO_LIGHT;
+use crate::pdf::{Pmf, SourcePdf};
 use crate::reservoir::StoredReservoir;
 use crate::{alias_table, alias_table::AliasEntry};
 use bytemuck::{Pod, Zeroable};
@@ -19,6 +20,12 @@ pub struct LightSample {
 }
 
 impl LightSample {
+    /// The sample of `light` at a point of the unit square, moved to the grid.
+    pub fn at(light: u32, square: Vec2) -> Self {
+        let place = (square * 65536.0).clamp(Vec2::ZERO, Vec2::splat(65535.0));
+        LightSample { light, uv: place.x as u32 | (place.y as u32) << 16 }
+    }
+
     /// The point of the unit square: centers of a 65536 x 65536 grid, so never on its edge.
     pub fn square(self) -> Vec2 {
         Vec2::new((self.uv & 0xffff) as f32 + 0.5, (self.uv >> 16) as f32 + 0.5) * (1.0 / 65536.0)
@@ -53,6 +60,14 @@ impl<'a> Lights<'a> {
         self.lights[sample.light as usize].sample_li_among(self.features, sample.square(), receiver)
     }
 
+    /// The point of `light` in `direction` (unit) from `receiver`; of no light, a sample of none.
+    pub fn sample_along(self, light: u32, direction: Vec3, receiver: Vec3) -> LightSample {
+        if light >= self.count() {
+            return LightSample { light: NO_LIGHT, uv: 0 };
+        }
+        LightSample::at(light, self.lights[light as usize].invert_li(direction, receiver))
+    }
+
     /// Has `light` more than one point to sample?
     fn has_extent(self, light: u32) -> bool {
         light < self.count() && self.lights[light as usize].has_extent()
@@ -70,6 +85,14 @@ impl<'a> LightTable<'a> {
         let (light, pmf) = alias_table::sample(self.alias, [random[0], random[1]]);
         let sample = LightSample { light, uv: random[2] };
         (sample, pmf.and_on_light(self.lights.pdf_li(light)))
+    }
+
+    /// The density with which [`LightTable::sample`] draws points of `light`, in the light's own measure; 0 for no light.
+    pub fn pdf(self, light: u32) -> SourcePdf {
+        if light >= self.lights.count() || self.alias.is_empty() {
+            return SourcePdf(0.0);
+        }
+        Pmf(self.alias[light as usize].pmf).and_on_light(self.lights.pdf_li(light))
     }
 
     /// The same reservoir; samples of a light without extent become one and the same, so that who reuses them can tell.

@@ -6,10 +6,10 @@
 //! resampling stays unbiased. Packing touches only the target that candidates compete with, never the light they bring:
 //! later passes and the contribution weight's integrand read the light itself.
 
-use super::{DOUBLE_SIDED, Incident, LightSample, LightTable, from_point, is_kind, kind};
+use super::{DOUBLE_SIDED, Incident, LightSample, LightTable, UNTRACEABLE, from_point, is_kind, kind};
 use crate::environment;
 use crate::frame::FrameConstants;
-use crate::math::{cross, pack_direction, unpack_direction};
+use crate::math::{cross, pack_direction, safe_ratio, unpack_direction};
 use crate::pdf::SourcePdf;
 use crate::rng::{Rng, Stream, hash};
 use bytemuck::{Pod, Zeroable};
@@ -106,8 +106,8 @@ impl TileEntry {
         SourcePdf(self.source_pdf)
     }
 
-    /// Direction and irradiance at `receiver` of what the entry stands for, its emission within 0.04 % and positive wherever
-    /// the light's is; the other fields are not set. A spot's cone is read from `lights`.
+    /// Direction, irradiance and solid angle at `receiver` of what the entry stands for, its emission within 0.04 % and positive
+    /// wherever the light's is, its normal within 1e-4 rad; the other fields are not set. A spot's cone is read from `lights`.
     pub fn incident(&self, lights: LightTable<'_>, receiver: Vec3) -> Incident {
         let emission = Vec3::new(
             decode(self.red_green & 0xffff),
@@ -118,16 +118,23 @@ impl TileEntry {
         if is(kind::SPOT) {
             return lights.incident(LightSample { light: self.light, uv: 0 }, receiver);
         }
-        if is(kind::DIRECTIONAL) || is(kind::ENVIRONMENT) {
-            return Incident { direction: self.position, irradiance: emission, ..Incident::default() };
+        let direction = self.position;
+        if is(kind::DIRECTIONAL) {
+            return Incident { direction, irradiance: emission, ..Incident::default() };
+        }
+        if is(kind::ENVIRONMENT) {
+            return Incident { direction, irradiance: emission, solid_angle: 1.0, ..Incident::default() };
         }
         let incident = from_point(self.position, receiver, emission);
         if is(kind::TRIANGLE) {
             let cos = -unpack_direction(self.normal).dot(incident.direction);
             let both = self.blue_kind >> 20 & DOUBLE_SIDED != 0;
             let facing = if both { cos.abs() } else { cos };
+            let traceable = self.blue_kind >> 20 & UNTRACEABLE == 0;
+            let inverse_square = safe_ratio(1.0, incident.distance * incident.distance);
             return Incident {
                 irradiance: incident.irradiance * (facing + COSINE_SLACK).max(0.0),
+                solid_angle: if traceable { facing.max(0.0) * inverse_square } else { 0.0 },
                 ..incident
             };
         }
@@ -196,6 +203,9 @@ mod tests {
                     }
                 }
                 assert!((packed.direction - exact.direction).length() < 1e-6);
+                let slack = 2e-4 * safe_ratio(1.0, exact.distance * exact.distance);
+                let solid_angle = if grazing { 0.0 } else { exact.solid_angle };
+                assert!((packed.solid_angle - solid_angle).abs() <= slack || grazing, "light {light}");
             }
             assert!(lit > 2000, "light {light}: {lit}");
         }

@@ -1,7 +1,13 @@
-//! Fills a pixel's reservoir with fresh light candidates: streaming RIS (Bitterli et al. 2020, Alg. 3).
+//! Fills a pixel's reservoir with fresh light candidates: streaming RIS (Bitterli et al. 2020, Alg. 3) over two techniques.
+//!
+//! M candidates come from the light table, M_b from rays that the surface's reflectance aims (BSDF candidates). All are
+//! weighed alike, w = p̂ / (M p + M_b p_b): the balance heuristic of Veach & Guibas 1995, whichever technique drew them. p_b is
+//! the density of a direction times the solid angle of a unit of the light.
 
-use crate::light::tile::{TILE_SIZE, Tiles};
-use crate::light::{LightSample, LightTable};
+use crate::bsdf;
+use crate::frame::Settings;
+use crate::light::tile::{TILE_SIZE, TileEntry, Tiles};
+use crate::light::{Incident, LightSample, LightTable};
 use crate::math::safe_ratio;
 use crate::pdf::SourcePdf;
 use crate::reservoir::{Reservoir, StoredReservoir};
@@ -9,7 +15,7 @@ use crate::rng::{Rng, unit_f32};
 use crate::shadow::ShadowRay;
 use crate::surface::Surface;
 use crate::target::target_function;
-use glam::UVec4;
+use glam::{UVec4, Vec2, Vec3};
 
 /// A finished reservoir, and the ray of visibility reuse that may still empty it.
 #[derive(Clone, Copy, Debug, Default)]
@@ -44,11 +50,39 @@ impl Proposal {
     }
 }
 
+/// How many candidates each technique gives a reservoir.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Techniques {
+    /// M: from the light table.
+    pub lights: u32,
+    /// M_b: along the reflectance.
+    pub bsdf: u32,
+}
+
+impl Techniques {
+    /// In a scene with `features`.
+    pub fn new(settings: &Settings, features: u32) -> Self {
+        Techniques { lights: settings.candidates, bsdf: settings.bsdf_candidates(features) }
+    }
+
+    /// p + p_b M_b / M of a sample that the light table draws with density p = `source_pdf`: times M, what all candidates
+    /// together draw it with.
+    pub fn density(self, surface: &Surface, incident: &Incident, source_pdf: SourcePdf) -> SourcePdf {
+        if self.bsdf == 0 || incident.solid_angle <= 0.0 {
+            return source_pdf;
+        }
+        let direction = bsdf::pdf(&surface.reflectance, surface.normal, surface.wo, incident.direction);
+        let share = self.bsdf as f32 / self.lights as f32;
+        SourcePdf(source_pdf.0 + share * direction.0 * incident.solid_angle)
+    }
+}
+
 /// A light sample that competes for a reservoir.
 #[derive(Clone, Copy, Debug)]
 pub struct Candidate {
     /// From a tile, `uv` is the place of its entry in all tiles: the point is looked up for the survivor only.
     pub sample: LightSample,
+    /// Of [`Techniques::density`].
     pub source_pdf: SourcePdf,
     /// p̂ as far as it decides over survival.
     pub target: f32,
@@ -57,32 +91,81 @@ pub struct Candidate {
 }
 
 impl Candidate {
-    /// w = p̂/p.
+    /// w = p̂/p; 1/M follows at the end.
     pub fn weight(&self) -> f32 {
         safe_ratio(self.target, self.source_pdf.0)
     }
+}
 
-    /// Does `reservoir` keep it, for now?
-    pub fn compete(&self, reservoir: &mut Reservoir) -> bool {
-        reservoir.add(self.sample, self.target, self.weight(), 1.0, self.u)
+/// A reservoir that candidates compete for.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Fresh {
+    /// Its confidence counts the candidates from the light table.
+    pub reservoir: Reservoir,
+    /// The survivor was found by a ray.
+    pub seen: bool,
+}
+
+impl Fresh {
+    /// A candidate from the light table. Does it stay, for now?
+    pub fn add(&mut self, candidate: Candidate) -> bool {
+        let Candidate { sample, target, u, .. } = candidate;
+        let stays = self.reservoir.add(sample, target, candidate.weight(), 1.0, u);
+        self.seen &= !stays;
+        stays
+    }
+
+    /// A candidate that a ray found. Does it stay, for now?
+    pub fn add_found(&mut self, candidate: Candidate) -> bool {
+        let Candidate { sample, target, u, .. } = candidate;
+        let stays = self.reservoir.add(sample, target, candidate.weight(), 0.0, u);
+        self.seen |= stays;
+        stays
+    }
+
+    /// The ray of visibility reuse follows.
+    pub fn finish(self, surface: &Surface, lights: LightTable<'_>) -> Proposal {
+        let finished = lights.canonical(self.reservoir.finish(self.reservoir.confidence));
+        Proposal { seen: self.seen, ..Proposal::new(surface, lights, finished) }
     }
 }
 
 /// The next candidate from the light table.
-pub fn candidate(surface: &Surface, lights: LightTable<'_>, rng: &mut Rng) -> Candidate {
+pub fn candidate(
+    surface: &Surface,
+    lights: LightTable<'_>,
+    techniques: Techniques,
+    rng: &mut Rng,
+) -> Candidate {
     let random = rng.next_u32x4();
     let (sample, source_pdf) = lights.sample([random.x, random.y, random.z]);
-    let target = target_function(surface, &lights.incident(sample, surface.position));
-    Candidate { sample, source_pdf, target, u: unit_f32(random.w) }
+    weighed(surface, techniques, sample, &lights.incident(sample, surface.position), source_pdf, random.w)
 }
 
-/// Resamples `candidates` draws from the light table: w = p̂/p, survivor ~ p̂ as candidates grow.
-pub fn propose(surface: &Surface, lights: LightTable<'_>, candidates: u32, rng: &mut Rng) -> Proposal {
-    let mut reservoir = Reservoir::default();
-    for _ in 0..candidates {
-        candidate(surface, lights, rng).compete(&mut reservoir);
+fn weighed(
+    surface: &Surface,
+    techniques: Techniques,
+    sample: LightSample,
+    incident: &Incident,
+    source_pdf: SourcePdf,
+    random: u32,
+) -> Candidate {
+    let target = target_function(surface, incident);
+    Candidate {
+        sample,
+        source_pdf: techniques.density(surface, incident, source_pdf),
+        target,
+        u: unit_f32(random),
     }
-    Proposal::new(surface, lights, lights.canonical(reservoir.finish(reservoir.confidence)))
+}
+
+/// Resamples draws from the light table: survivor ~ p̂ as candidates grow.
+pub fn from_table(surface: &Surface, lights: LightTable<'_>, techniques: Techniques, rng: &mut Rng) -> Fresh {
+    let mut fresh = Fresh::default();
+    for _ in 0..techniques.lights {
+        fresh.add(candidate(surface, lights, techniques, rng));
+    }
+    fresh
 }
 
 /// Random numbers of candidate `i` of a tile in x and y; `last` are those of the candidate before. Four serve two.
@@ -94,37 +177,103 @@ pub fn numbers_from_tile(i: u32, last: UVec4, rng: &mut Rng) -> UVec4 {
 pub fn candidate_from_tile(
     surface: &Surface,
     lights: LightTable<'_>,
+    techniques: Techniques,
     tiles: Tiles<'_>,
     tile: u32,
     random: UVec4,
 ) -> Candidate {
     let place = tile * TILE_SIZE + (random.x & (TILE_SIZE - 1));
-    let entry = tiles.entries[place as usize];
-    let target = target_function(surface, &entry.incident(lights, surface.position));
+    let entry: TileEntry = tiles.entries[place as usize];
     let sample = LightSample { light: entry.light(), uv: place };
-    Candidate { sample, source_pdf: entry.source_pdf(), target, u: unit_f32(random.y) }
+    let incident = entry.incident(lights, surface.position);
+    weighed(surface, techniques, sample, &incident, entry.source_pdf(), random.y)
 }
 
-/// As [`propose`], from the entries of one tile of [`crate::light::tile`].
-pub fn propose_from_tile(
+/// As [`from_table`], from the entries of one tile of [`crate::light::tile`].
+pub fn from_tile(
     surface: &Surface,
     lights: LightTable<'_>,
+    techniques: Techniques,
     tiles: Tiles<'_>,
     tile: u32,
-    candidates: u32,
     rng: &mut Rng,
-) -> Proposal {
-    let mut reservoir = Reservoir::default();
+) -> Fresh {
+    let mut fresh = Fresh::default();
     let mut random = UVec4::ZERO;
-    for i in 0..candidates {
+    for i in 0..techniques.lights {
         random = numbers_from_tile(i, random, rng);
-        candidate_from_tile(surface, lights, tiles, tile, random).compete(&mut reservoir);
+        fresh.add(candidate_from_tile(surface, lights, techniques, tiles, tile, random));
     }
-    let mut finished = reservoir.finish(reservoir.confidence);
-    if finished.contribution_weight > 0.0 {
-        finished.sample.uv = tiles.points[finished.sample.uv as usize];
+    fresh.looked_up(tiles)
+}
+
+impl Fresh {
+    /// With the point of a survivor from a tile.
+    pub fn looked_up(mut self, tiles: Tiles<'_>) -> Self {
+        if self.reservoir.weight_sum > 0.0 {
+            self.reservoir.sample.uv = tiles.points[self.reservoir.sample.uv as usize];
+        }
+        self
     }
-    Proposal::new(surface, lights, lights.canonical(finished))
+}
+
+/// A ray that looks for light where the surface reflects.
+#[derive(Clone, Copy, Debug)]
+pub struct Glance {
+    /// World space, m.
+    pub origin: Vec3,
+    /// Unit.
+    pub direction: Vec3,
+    /// Decides over the survival of what it finds, in [0, 1).
+    pub u: f32,
+}
+
+impl Glance {
+    /// The next BSDF candidate's.
+    pub fn new(surface: &Surface, rng: &mut Rng) -> Self {
+        let random = rng.next_u32x4();
+        let square = Vec2::new(unit_f32(random.y), unit_f32(random.z));
+        let Surface { reflectance, normal, wo, .. } = surface;
+        Glance {
+            origin: surface.ray_origin(f32::MAX),
+            direction: bsdf::sample(reflectance, *normal, *wo, unit_f32(random.x), square),
+            u: unit_f32(random.w),
+        }
+    }
+
+    /// Below the real or the shaded surface there is nothing to find.
+    pub fn is_worth_tracing(&self, surface: &Surface) -> bool {
+        surface.geometric_normal.dot(self.direction) > 0.0 && surface.normal.dot(self.direction) > 0.0
+    }
+
+    /// The candidate where the ray ended on `light`; one that weighs nothing for no light.
+    pub fn candidate(
+        &self,
+        surface: &Surface,
+        lights: LightTable<'_>,
+        techniques: Techniques,
+        light: u32,
+    ) -> Candidate {
+        let sample = lights.lights.sample_along(light, self.direction, surface.position);
+        self.candidate_at(surface, lights, techniques, sample)
+    }
+
+    /// The same, where the point on the light is known.
+    pub fn candidate_at(
+        &self,
+        surface: &Surface,
+        lights: LightTable<'_>,
+        techniques: Techniques,
+        sample: LightSample,
+    ) -> Candidate {
+        let incident = lights.incident(sample, surface.position);
+        Candidate {
+            sample,
+            source_pdf: techniques.density(surface, &incident, lights.pdf(sample.light)),
+            target: target_function(surface, &incident),
+            u: self.u,
+        }
+    }
 }
 
 /// Visibility reuse (Bitterli et al. 2020, Alg. 5, line 6).

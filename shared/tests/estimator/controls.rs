@@ -36,6 +36,19 @@ fn source_densities_left_out_are_seen() {
 }
 
 #[test]
+fn faults_of_found_candidates_are_seen() {
+    let found = Settings { bsdf_candidates: 1, ..reuse() };
+    let glossy = |kind| screened(kind).reflecting(0.9, 0.5);
+    for kind in [world::ceiling, world::environment] {
+        is_seen(Plant::Balance, glossy(kind()), found, 1);
+        is_seen(Plant::FoundMixture, glossy(kind()), found, 1);
+    }
+    let unbiased = Settings { mode: mode::UNBIASED, ..found };
+    is_seen(Plant::FoundRay, glossy(world::environment()), unbiased, 1);
+    is_seen(Plant::FoundSolidAngle, glossy(world::ceiling()), found, 1);
+}
+
+#[test]
 fn normalizations_left_out_are_seen() {
     is_seen(Plant::FreshNormalization, screened(world::points()), base(), 1);
     let spatial = Settings { spatial: 1, spatial_iterations: 1, ..reuse() };

@@ -401,6 +401,10 @@ fn no_candidates_are_no_light() {
     let world = World::new(Vec::new());
     let view = world.view(0);
     let mut rng = Rng::new(UVec2::ZERO, 0, 0, Stream::Initial, 0);
-    let proposal = initial::propose(&view.surfaces[0], world.table(), 32, &mut rng);
+    let proposal = {
+        let techniques = initial::Techniques { lights: 32, bsdf: 0 };
+        let fresh = initial::from_table(&view.surfaces[0], world.table(), techniques, &mut rng);
+        fresh.finish(&view.surfaces[0], world.table())
+    };
     assert!(proposal.is_certain() && proposal.reservoir.confidence == 32.0);
 }

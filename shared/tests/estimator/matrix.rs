@@ -11,6 +11,7 @@ pub type Case = (&'static str, Settings, u32);
 pub fn base() -> Settings {
     Settings {
         candidates: 4,
+        bsdf_candidates: 0,
         visibility_reuse: 0,
         radius: 4.0,
         neighbors: 3,
@@ -101,6 +102,47 @@ fn environment_light() {
 #[test]
 fn all_kinds_together() {
     matrix(world::together());
+}
+
+/// BSDF candidates alone and under every kind of reuse.
+fn found_cases() -> Vec<Case> {
+    let found = Settings { bsdf_candidates: 1, visibility_reuse: 1, ..base() };
+    vec![
+        ("RIS + BSDF", found, 1),
+        ("RIS, M = 1, + 3 BSDF", Settings { candidates: 1, bsdf_candidates: 3, ..found }, 1),
+        ("+ tiles + BSDF", Settings { tiles: 1, candidates: 7, ..found }, 1),
+    ]
+}
+
+fn found_reuse_cases() -> Vec<Case> {
+    let cases = reuse_cases().into_iter().filter(|(_, settings, _)| settings.visibility_reuse != 0);
+    cases.map(|(name, s, frames)| (name, Settings { bsdf_candidates: 2, ..s }, frames)).collect()
+}
+
+/// As [`matrix`], over a glossy and over a nearly diffuse floor.
+fn found_matrix(Kind { everywhere, somewhere }: Kind) {
+    for (metallic, roughness) in [(0.9, 0.5), (0.0, 0.8)] {
+        let hidden = World::new(somewhere.clone()).behind_a_screen().reflecting(metallic, roughness);
+        check(&hidden, found_cases());
+        check(&hidden, in_mode(mode::UNBIASED, found_reuse_cases()));
+        let open = World::new(everywhere.clone()).reflecting(metallic, roughness);
+        check(&open, in_mode(mode::BIASED, found_reuse_cases()));
+    }
+}
+
+#[test]
+fn triangles_that_rays_find() {
+    found_matrix(world::ceiling());
+}
+
+#[test]
+fn an_environment_that_rays_find() {
+    found_matrix(world::environment());
+}
+
+#[test]
+fn lights_that_rays_find_and_others() {
+    found_matrix(world::half_found());
 }
 
 /// One light leaves nothing to chance: the exact answer in every run, up to the f32 of the evaluation.

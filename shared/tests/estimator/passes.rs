@@ -2,16 +2,20 @@
 
 use crate::world::{View, World};
 
-use shared::frame::{FrameConstants, Settings, mode};
+use shared::bsdf;
+use shared::frame::{FrameConstants, Settings, features, mode};
 use shared::glam::{UVec2, Vec3};
 use shared::light::tile::{TILE_SIZE, TILES, TileEntry, Tiles, presample, tile_of};
 use shared::light::{LightTable, build_alias_table, kind};
+use shared::pdf::SourcePdf;
+use shared::resampling::initial::{Candidate, Glance, Techniques};
 use shared::resampling::{Pixels, initial, reservoir_index, spatial, temporal};
 use shared::reservoir::{Reservoir, StoredReservoir};
 use shared::rng::{Rng, Stream};
 use shared::shading;
 use shared::surface::Surface;
 use shared::target::target_function;
+use std::f32::consts::PI;
 
 /// One step done wrong.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -50,6 +54,14 @@ pub enum Plant {
     DoubtInverted,
     /// Reservoirs are summed, not averaged.
     Average,
+    /// Light and BSDF candidates are weighed by their own densities alone: what both find counts twice.
+    Balance,
+    /// The solid angle of a unit of the light, in the density of a BSDF candidate.
+    FoundSolidAngle,
+    /// The lobes' mixture in that density: the one has the other's probability.
+    FoundMixture,
+    /// BSDF rays that go through everything.
+    FoundRay,
 }
 
 /// A run of frames with what it carries from one to the next.
@@ -105,6 +117,7 @@ impl<'a> Sequence<'a> {
             exposure: 1.0,
             background: Vec3::ZERO,
             environment_size: UVec2::ZERO,
+            first_environment_light: 0,
         };
         let lights = self.lights.table();
         let pass = Pass { sequence: self, frame: &frame, lights, view, before };
@@ -172,7 +185,8 @@ impl Pass<'_> {
 
     /// The reservoir, or an empty one where a ray finds its sample hidden.
     fn seen(&self, proposal: initial::Proposal, ray_left_out: bool) -> StoredReservoir {
-        initial::accept(proposal, ray_left_out || self.sequence.world.trace(proposal.ray))
+        let known = ray_left_out || proposal.is_certain();
+        initial::accept(proposal, known || self.sequence.world.trace(proposal.ray))
     }
 
     fn initial(&self) -> Vec<StoredReservoir> {
@@ -181,13 +195,23 @@ impl Pass<'_> {
         self.each(|pixel, lane, _| {
             let (surface, lights) = (self.surface(pixel), self.lights);
             let mut rng = self.rng(pixel, Stream::Initial, lane);
-            let mut proposal = match &tiles {
+            let techniques = Techniques::new(&settings, features::TRACEABLE);
+            let weighed = if self.is(Plant::Balance) { 0 } else { techniques.bsdf };
+            let weighed = Techniques { bsdf: weighed, ..techniques };
+            let mut fresh = match &tiles {
                 Some((entries, points)) => {
                     let (tiles, tile) = (Tiles { entries, points }, tile_of(self.frame, pixel, lane));
-                    initial::propose_from_tile(surface, lights, tiles, tile, settings.candidates, &mut rng)
+                    initial::from_tile(surface, lights, weighed, tiles, tile, &mut rng)
                 }
-                None => initial::propose(surface, lights, settings.candidates, &mut rng),
+                None => initial::from_table(surface, lights, weighed, &mut rng),
             };
+            for _ in 0..techniques.bsdf {
+                let glance = Glance::new(surface, &mut rng);
+                if glance.is_worth_tracing(surface) {
+                    fresh.add_found(self.found(surface, techniques, glance));
+                }
+            }
+            let mut proposal = fresh.finish(surface, lights);
             if self.is(Plant::FreshNormalization) {
                 proposal.reservoir.contribution_weight *= proposal.reservoir.confidence;
             }
@@ -198,6 +222,29 @@ impl Pass<'_> {
             }
             fresh
         })
+    }
+
+    fn found(&self, surface: &Surface, techniques: Techniques, glance: Glance) -> Candidate {
+        let through = self.is(Plant::FoundRay);
+        let light = self.sequence.world.find(glance.origin, glance.direction, through);
+        let right = glance.candidate(surface, self.lights, techniques, light);
+        let incident = self.lights.incident(right.sample, surface.position);
+        let table = self.lights.pdf(light).0;
+        let found = right.source_pdf.0 - table;
+        let probability = bsdf::specular_probability(&surface.reflectance, surface.normal.dot(surface.wo));
+        let diffuse = surface.normal.dot(incident.direction) / PI;
+        let density = bsdf::pdf(&surface.reflectance, surface.normal, surface.wo, incident.direction).0;
+        let specular = (density - (1.0 - probability) * diffuse) / probability;
+        let source_pdf = match self.sequence.plant {
+            Some(Plant::Balance) => found,
+            Some(Plant::FoundSolidAngle) => table + found / incident.solid_angle.max(1e-6),
+            Some(Plant::FoundMixture) => {
+                let exchanged = (1.0 - probability) * specular + probability * diffuse;
+                table + found * exchanged / density
+            }
+            _ => return right,
+        };
+        Candidate { source_pdf: SourcePdf(source_pdf), ..right }
     }
 
     /// The tiles that this frame's pixels read.

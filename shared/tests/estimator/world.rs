@@ -3,11 +3,13 @@
 use shared::alias_table::AliasEntry;
 use shared::camera::Camera;
 use shared::geometry::SurfacePoint;
-use shared::glam::{DVec3, UVec2, Vec2, Vec3};
-use shared::light::{Light, LightTable, Lights, build_alias_table};
+use shared::glam::{DMat3, DVec3, UVec2, Vec2, Vec3};
+use shared::light::{Light, LightTable, Lights, UNTRACEABLE, build_alias_table, kind};
 use shared::material::Reflectance;
+use shared::motion::NO_LIGHT;
 use shared::shadow::ShadowRay;
 use shared::surface::{GBufferTexel, Surface};
+use std::f64::consts::{PI, TAU};
 
 /// Size of the environment maps.
 pub const SKY: UVec2 = UVec2::new(16, 8);
@@ -52,6 +54,12 @@ impl World {
         World { screen: true, ..self }
     }
 
+    pub fn reflecting(self, metallic: f32, roughness: f32) -> Self {
+        let color = Vec3::new(0.8, 0.5, 0.3);
+        let reflectance = Reflectance::from_metallic_roughness(color, metallic, roughness);
+        World { reflectance, ..self }
+    }
+
     pub fn table(&self) -> LightTable<'_> {
         LightTable { lights: Lights::untextured(&self.lights), alias: &self.alias }
     }
@@ -92,6 +100,40 @@ impl World {
 
     pub fn trace(&self, ray: ShadowRay) -> bool {
         self.visible(ray.origin.as_dvec3(), (ray.origin + ray.direction).as_dvec3())
+    }
+}
+
+impl World {
+    /// The light where a ray ends, in f64: the nearest triangle, from either side, or the sky; none behind the screen, which
+    /// `blind` rays pass. Lights hide one another from these rays
+    /// alone: use such as don't.
+    pub fn find(&self, origin: Vec3, direction: Vec3, blind: bool) -> u32 {
+        let (x, d) = (origin.as_dvec3(), direction.as_dvec3());
+        if !blind && !self.visible(x, x + d * 1e3) {
+            return NO_LIGHT;
+        }
+        let distance = |light: &Light| {
+            let (e1, e2) = (light.edge1.as_dvec3(), light.edge2.as_dvec3());
+            let solved = DMat3::from_cols(d, -e1, -e2).inverse() * (light.position.as_dvec3() - x);
+            let inside = solved.y >= 0.0 && solved.z >= 0.0 && solved.y + solved.z <= 1.0 && solved.x > 0.0;
+            if inside { solved.x } else { f64::INFINITY }
+        };
+        let sky = self.lights.iter().position(|light| light.kind == kind::ENVIRONMENT);
+        let met = (0..self.lights.len()).filter(|&i| self.lights[i].kind == kind::TRIANGLE);
+        let nearest = met.map(|i| (distance(&self.lights[i]), i)).min_by(|a, b| a.0.total_cmp(&b.0));
+        match (nearest, sky) {
+            (Some((t, light)), _) if t < f64::INFINITY => {
+                let known = self.lights[light].flags & UNTRACEABLE == 0;
+                if known { light as u32 } else { NO_LIGHT }
+            }
+            (_, Some(first)) => {
+                let u = (0.5 + d.z.atan2(d.x) / TAU).clamp(0.0, 1.0 - 1e-12);
+                let v = (d.y.acos() / PI).clamp(0.0, 1.0 - 1e-12);
+                let [column, row] = [u * f64::from(SKY.x), v * f64::from(SKY.y)].map(|x| x as u32);
+                first as u32 + row * SKY.x + column
+            }
+            _ => NO_LIGHT,
+        }
     }
 }
 
@@ -140,6 +182,35 @@ pub fn rectangles() -> Kind {
     let down = |i| rectangle(i, Vec3::X * 0.7, Vec3::Z * 0.3);
     let wall = |i: usize| rectangle(i, Vec3::new(0.5, 0.0, 0.3 - 0.2 * i as f32), Vec3::new(0.0, 0.6, 0.2));
     Kind { everywhere: (0..4).flat_map(down).collect(), somewhere: (0..5).flat_map(wall).collect() }
+}
+
+/// Triangles in one plane, none before another, where a mirror would show them. Somewhere: every third shows its dark side.
+pub fn ceiling() -> Kind {
+    let triangle = |i: usize, up: bool| {
+        let corner = Vec3::new((i % 3) as f32 * 1.1 - 1.6, 2.0, (i / 3) as f32 * 1.2 - 3.6);
+        let (u, v) = (Vec3::X * 0.9, Vec3::Z * (0.5 + 0.1 * (i % 5) as f32));
+        let edges = if up { [corner + v, corner + u] } else { [corner + u, corner + v] };
+        let radiance = strength(i) * 5.0;
+        Light::triangle([corner, edges[0], edges[1]], radiance, !up && i.is_multiple_of(2))
+    };
+    Kind {
+        everywhere: (0..9).map(|i| triangle(i, false)).collect(),
+        somewhere: (0..9).map(|i| triangle(i, i % 3 == 1)).collect(),
+    }
+}
+
+/// With lights that no ray can find: points, suns, and triangles that are said to be such.
+pub fn half_found() -> Kind {
+    let mixed = |found: Vec<Light>| {
+        let hidden = |(i, light)| match i % 4 {
+            0 => Light { flags: UNTRACEABLE, ..light },
+            _ => light,
+        };
+        let triangles = found.into_iter().enumerate().map(hidden);
+        triangles.chain(points().everywhere).chain(suns().everywhere).collect()
+    };
+    let Kind { everywhere, somewhere } = ceiling();
+    Kind { everywhere: mixed(everywhere), somewhere: mixed(somewhere) }
 }
 
 pub fn spots() -> Kind {

@@ -1,10 +1,10 @@
-//! Fresh candidates from light tiles: at most one shadow ray a reservoir.
+//! Fresh candidates from light tiles: a ray for each BSDF candidate, and at most one shadow ray a reservoir.
 
 use crate::frame::pass::{Access, Extent, Pass, Rays, Role, Stage};
 
 pub const PASS: Pass = Pass {
     stem: "initial_tiled",
-    stage: Stage::RayTracing(Rays::Shadow),
+    stage: Stage::RayTracing(Rays::Both),
     uses: &[
         (Role::GBuffer, Access::Read),
         (Role::ReservoirsOut, Access::Write),

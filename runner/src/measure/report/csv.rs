@@ -24,7 +24,7 @@ pub fn table(results: &Results) -> String {
 
 fn header(passes: &[String]) -> Vec<String> {
     let mut names: Vec<String> =
-        "scene lights camera series label triangles light_table width height mode candidates visibility \
+        "scene lights camera series label triangles light_table width height mode candidates bsdf_candidates visibility \
         temporal spatial iterations neighbors radius reservoirs tiles frame_ms frame_p95_ms frame_spread_ms"
             .split_whitespace()
             .map(str::to_owned)
@@ -50,6 +50,7 @@ fn numbers(m: &Measurement, passes: &[String]) -> Vec<String> {
         m.size[1].to_string(),
         word(serde_json::to_value(s.mode)),
         s.candidates.to_string(),
+        s.bsdf_candidates.to_string(),
         s.visibility.to_string(),
         s.temporal.to_string(),
         s.spatial.to_string(),

@@ -1,6 +1,6 @@
 //! The container: the bytes of a .gltf or .glb file -> a validated document and its buffers.
 
-use super::{Reason, uri};
+use super::{Reason, label, uri};
 use gltf::mesh::Semantic;
 use gltf::{Document, Gltf};
 use std::path::Path;
@@ -25,6 +25,7 @@ pub fn parse(bytes: &[u8], base: &Path) -> Reason<(Document, Vec<Vec<u8>>)> {
     check_version(&root.asset)?;
     check_extensions(&root)?;
     check_position_accessors(&root)?;
+    check_nodes(&root)?;
     check_animations(&root)?;
     let document = Document::from_json(root).map_err(describe)?;
     let buffers = read_buffers(&document, base, blob)?;
@@ -83,12 +84,31 @@ fn check_position_accessors(root: &gltf::json::Root) -> Reason<()> {
     Ok(())
 }
 
-/// The validation of the gltf crate does not look at all indices of animations.
-fn check_animations(root: &gltf::json::Root) -> Reason<()> {
-    let exists = |what: &str, index: usize, count: usize| match index < count {
+fn exists(what: &str, index: usize, count: usize) -> Reason<()> {
+    match index < count {
         true => Ok(()),
         false => Err(format!("{what} {index} of {count} does not exist")),
-    };
+    }
+}
+
+/// The validation of the gltf crate would not say which node it is by name, nor how many there are of what it asks for.
+fn check_nodes(root: &gltf::json::Root) -> Reason<()> {
+    for (n, node) in root.nodes.iter().enumerate() {
+        let mesh = node.mesh.map_or(Ok(()), |mesh| exists("mesh", mesh.value(), root.meshes.len()));
+        let camera =
+            node.camera.map_or(Ok(()), |camera| exists("camera", camera.value(), root.cameras.len()));
+        let mut children = node.children.iter().flatten();
+        mesh.and(camera)
+            .and_then(|()| {
+                children.try_for_each(|child| exists("child node", child.value(), root.nodes.len()))
+            })
+            .map_err(|reason| format!("{}: {reason}", label("node", n, node.name.as_deref())))?;
+    }
+    Ok(())
+}
+
+/// The validation of the gltf crate does not look at all indices of animations.
+fn check_animations(root: &gltf::json::Root) -> Reason<()> {
     for (a, animation) in root.animations.iter().enumerate() {
         for (c, channel) in animation.channels.iter().enumerate() {
             exists("node", channel.target.node.value(), root.nodes.len())

@@ -178,7 +178,15 @@ fn indices_of_things_that_are_not_there() {
         |f| f.primitive()["attributes"]["POSITION"] = json!(99),
         &["meshes[0].primitives[0]: accessor 99 of 4"],
     );
-    rejected(|f| f.json["nodes"][0]["mesh"] = json!(1), &["nodes[0].mesh", "out of bounds"]);
+    rejected(
+        |f| {
+            f.json["nodes"][0]["mesh"] = json!(1);
+            f.json["nodes"][0]["name"] = json!("lamp");
+        },
+        &["node 0 'lamp': mesh 1 of 1 does not exist"],
+    );
+    rejected(|f| f.json["nodes"][0]["camera"] = json!(0), &["node 0: camera 0 of 0 does not exist"]);
+    rejected(|f| f.json["nodes"][0]["children"] = json!([7]), &["node 0: child node 7 of", "does not exist"]);
     rejected(|f| f.json["scene"] = json!(4), &["scene", "out of bounds"]);
 }
 

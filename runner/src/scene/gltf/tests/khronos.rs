@@ -74,7 +74,11 @@ fn every_model_arrives_whole() {
             (expected.textures, expected.points),
             "{name}"
         );
-        assert_eq!(SceneArrays::new(&scene).unwrap().features & !LIGHT_KINDS, expected.features, "{name}");
+        assert_eq!(
+            SceneArrays::new(&scene, &LightTable::new(&scene)).unwrap().features & !LIGHT_KINDS,
+            expected.features,
+            "{name}"
+        );
         assert_eq!(scene.warnings.len(), expected.warnings.len(), "{name}: {:#?}", scene.warnings);
         for (warning, part) in scene.warnings.iter().zip(expected.warnings) {
             assert!(warning.contains(part), "{name}: '{part}' is missing in: {warning}");

@@ -1,0 +1,171 @@
+//! All lights of a scene as the GPU reads them; [`changes`] when they move, [`scatter`] when there are too few.
+
+mod changes;
+mod scatter;
+#[cfg(test)]
+mod tests;
+
+pub use changes::{LightEdits, inverse_map, light_maps};
+pub use scatter::scatter;
+
+use super::emission::{Emission, Emitters, Part};
+use super::environment::shines;
+use super::{AlphaMode, DirectionalLight, Environment, Instance, Material, Primitive, SceneDescription};
+use glam::{UVec2, Vec2, Vec3};
+use shared::alias_table::AliasEntry;
+use shared::light::{self, Light, UNTRACEABLE};
+use std::ops::Range;
+
+/// The lights of a scene, and the table that draws them by their power.
+#[derive(Clone, Debug, Default)]
+pub struct LightTable {
+    /// Point, spot, directional lights in their order, then those of each emissive primitive of each instance (one a
+    /// triangle, or its lit parts where its texture varies, see [`emission`](super::emission)), then the lit texels of
+    /// the environment map. Neither transforms nor strengths change the order.
+    pub lights: Vec<Light>,
+    /// Empty if no light has power.
+    pub alias: Vec<AliasEntry>,
+    /// `[instance][primitive]`: its lights.
+    pub of_primitives: Vec<Vec<Range<usize>>>,
+    /// Index of the first lit texel of the environment map.
+    pub first_environment: usize,
+    /// How the emission of meshes is divided.
+    pub emitters: Emitters,
+    /// How many of the lights are parts of textured emitters.
+    pub textured: usize,
+}
+
+impl LightTable {
+    pub fn new(scene: &SceneDescription) -> Self {
+        let emitters = Emitters::new(scene);
+        let mut lights = punctual_lights(scene);
+        let mut of_primitives = Vec::with_capacity(scene.instances.len());
+        let mut textured = 0;
+        for instance in &scene.instances {
+            let primitives = scene.meshes[instance.mesh].primitives.iter().zip(&emitters.0[instance.mesh]);
+            let range = |(primitive, emission): (&Primitive, &Option<Emission>)| {
+                let first = lights.len();
+                if let Some(emission) = emission {
+                    let material = &scene.materials[primitive.material];
+                    lights.extend(emitter_lights(instance, primitive, emission, material));
+                    textured += match emission {
+                        Emission::Even(_) => 0,
+                        Emission::Textured(parts) => parts.len(),
+                    };
+                }
+                first..lights.len()
+            };
+            of_primitives.push(primitives.map(range).collect());
+        }
+        let first_environment = lights.len();
+        lights.extend(environment_lights(scene));
+        let alias = light::build_alias_table(&lights);
+        LightTable { lights, alias, of_primitives, first_environment, emitters, textured }
+    }
+
+    /// The light of the first triangle of a primitive of an instance, if rays that hit its triangles find theirs.
+    pub fn traceable(&self, instance: usize, primitive: usize) -> Option<usize> {
+        let range = self.of_primitives[instance][primitive].clone();
+        self.lights[range.clone()].first().filter(|light| light.flags & UNTRACEABLE == 0).map(|_| range.start)
+    }
+}
+
+/// The lights of one emissive primitive of one instance.
+fn emitter_lights(
+    instance: &Instance,
+    primitive: &Primitive,
+    emission: &Emission,
+    material: &Material,
+) -> Vec<Light> {
+    let double_sided = material.double_sided;
+    let mut lights: Vec<Light> = match emission {
+        Emission::Even(radiance) => triangle_lights(instance, primitive, *radiance, double_sided).collect(),
+        Emission::Textured(parts) => {
+            parts.iter().map(|part| part_light(instance, primitive, part, double_sided)).collect()
+        }
+    };
+    if !is_traceable(material) {
+        lights.iter_mut().for_each(|light| light.flags |= UNTRACEABLE);
+    }
+    lights
+}
+
+/// Do rays that hit a triangle of this material know its light? Parts of textures are not looked for, and rays pass what is
+/// transparent, which as a light is solid.
+pub fn is_traceable(material: &Material) -> bool {
+    let even = material.emission != Vec3::ZERO && material.emissive_texture.is_none();
+    even && material.alpha == AlphaMode::Opaque
+}
+
+/// Does the scene bring light of its own?
+pub fn is_lit(scene: &SceneDescription) -> bool {
+    let shines = |light: &Light| light.power > 0.0;
+    let emits = |instance: &Instance| {
+        let mut primitives = scene.meshes[instance.mesh].primitives.iter();
+        primitives.any(|primitive| scene.materials[primitive.material].emission != Vec3::ZERO)
+    };
+    punctual_lights(scene).iter().any(shines)
+        || environment_lights(scene).iter().any(shines)
+        // Textures may be black.
+        || scene.instances.iter().any(emits) && LightTable::new(scene).lights.iter().any(shines)
+}
+
+fn punctual_lights(scene: &SceneDescription) -> Vec<Light> {
+    let points = scene.point_lights.iter().map(|l| Light::point(l.position, l.intensity));
+    let spots = scene
+        .spot_lights
+        .iter()
+        .map(|l| Light::spot(l.position, l.axis, l.intensity, l.inner_angle, l.outer_angle));
+    let mut lights: Vec<Light> = points.chain(spots).collect();
+    if !scene.directional_lights.is_empty() {
+        let radius = scene.radius();
+        let light = |l: &DirectionalLight| Light::directional(l.direction, l.illuminance, radius);
+        lights.extend(scene.directional_lights.iter().map(light));
+    }
+    lights
+}
+
+fn environment_lights(scene: &SceneDescription) -> Vec<Light> {
+    let Some(Environment { size, radiance }) = &scene.environment else { return Vec::new() };
+    let radius = scene.radius();
+    let lit = radiance.iter().enumerate().filter(|(_, radiance)| shines(**radiance));
+    lit.map(|(i, &radiance)| {
+        let texel = UVec2::new(i as u32 % size.x, i as u32 / size.x);
+        Light::environment(texel, *size, radiance, radius)
+    })
+    .collect()
+}
+
+fn triangle_lights(
+    instance: &Instance,
+    primitive: &Primitive,
+    radiance: Vec3,
+    double_sided: bool,
+) -> impl Iterator<Item = Light> {
+    primitive.indices.chunks_exact(3).map(move |t| {
+        let vertices = wound(instance, corners(instance, primitive, t));
+        Light::triangle(vertices, radiance, double_sided)
+    })
+}
+
+/// The light of a part: its edges are shares of the triangle's, so that no area is lost where coordinates are coarse.
+fn part_light(instance: &Instance, primitive: &Primitive, part: &Part, double_sided: bool) -> Light {
+    let t = &primitive.indices[3 * part.triangle as usize..][..3];
+    let [a, b, c] = corners(instance, primitive, t).map(Vec3::as_dvec3);
+    let along = |weights: Vec2| f64::from(weights.x) * (b - a) + f64::from(weights.y) * (c - a);
+    let [first, second, third] = wound(instance, part.corners);
+    let position = (a + along(first)).as_vec3();
+    let edges = [second - first, third - first].map(along);
+    Light::triangle_between(position, edges, part.radiance, double_sided)
+}
+
+/// World space, m.
+fn corners(instance: &Instance, primitive: &Primitive, triangle: &[u32]) -> [Vec3; 3] {
+    [triangle[0], triangle[1], triangle[2]]
+        .map(|i| instance.transform.transform_point3(primitive.positions[i as usize]))
+}
+
+/// Corners in the order that faces outward: a mirror turns the winding, but the outside stays outside.
+fn wound<T>(instance: &Instance, [a, b, c]: [T; 3]) -> [T; 3] {
+    if instance.transform.matrix3.determinant() < 0.0 { [a, c, b] } else { [a, b, c] }
+}
