@@ -202,7 +202,7 @@ pub struct CompareArgs {
 
 #[derive(Args, Clone, Debug)]
 pub struct SweepArgs {
-    /// A .toml file, or a built-in plan: thesis, lights, modes, smoke.
+    /// A .toml file, or a built-in plan: thesis, lights, modes, bench (times alone), smoke.
     pub plan: PathBuf,
     /// Folder of the results: points.json, points.csv, report.html.
     #[arg(short, long, value_name = "DIR")]
