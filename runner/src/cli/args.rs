@@ -35,6 +35,8 @@ pub enum Command {
     Compare(CompareArgs),
     /// Measure times and errors over scenes, lights and settings, and write a report.
     Sweep(SweepArgs),
+    /// Measure the least that a frame's rays and bytes take on this device.
+    Floors(FloorsArgs),
     /// Write the report of a sweep again, or the tables of a page.
     Report(ReportArgs),
     /// Write a scene for other programs: scene.json and PLY files (tools/mitsuba renders them with Mitsuba).
@@ -233,6 +235,26 @@ pub struct SweepArgs {
     pub list: bool,
     #[command(flatten)]
     pub device: DeviceArgs,
+}
+
+#[derive(Args, Clone, Debug)]
+pub struct FloorsArgs {
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// Width x height in pixels.
+    #[arg(long, default_value = "1920x1080", value_parser = parse_size)]
+    pub size: UVec2,
+    /// As for `render`.
+    #[arg(long)]
+    pub camera: Option<String>,
+    /// Timed launches of each kind of ray, and timed frames.
+    #[arg(long, default_value_t = 32, value_parser = clap::value_parser!(u32).range(2..))]
+    pub frames: u32,
+    #[command(flatten)]
+    pub device: DeviceArgs,
+    /// As one JSON object.
+    #[arg(long)]
+    pub json: bool,
 }
 
 #[derive(Args, Clone, Debug)]

@@ -5,6 +5,7 @@ mod compare;
 mod explain;
 mod export;
 mod fixtures;
+mod floors;
 mod info;
 mod output;
 mod progress;
@@ -29,6 +30,7 @@ pub fn run(cli: Cli) -> Result<()> {
         Command::Info(args) => info::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Sweep(args) => sweep::run(&args),
+        Command::Floors(args) => floors::run(&args),
         Command::Report(args) => report::run(&args),
         Command::Export(args) => export::run(&args),
         Command::Explain(args) => explain::run(&args),

@@ -33,6 +33,9 @@ pub enum Role {
     Mean,
     Reference,
     Statistics,
+    /// Of the floors.
+    Rays,
+    Hits,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -80,6 +83,8 @@ pub enum BufferId {
     /// The mean of another history, which shows the reference.
     Reference,
     Statistics,
+    Rays,
+    Hits,
 }
 
 /// A pass at its place in a frame, with its buffers.
@@ -107,6 +112,8 @@ impl Role {
             Role::Mean => frame_binding::MEAN,
             Role::Reference => frame_binding::REFERENCE,
             Role::Statistics => frame_binding::STATISTICS,
+            Role::Rays => frame_binding::RAYS,
+            Role::Hits => frame_binding::HITS,
         }
     }
 }

@@ -158,7 +158,7 @@ impl PassPipeline {
 /// The layout of set 1: constants, then a buffer for each role.
 fn frame_layout(device: &Device) -> Result<SetLayout> {
     let stages = vk::ShaderStageFlags::RAYGEN_KHR | vk::ShaderStageFlags::COMPUTE;
-    const ROLES: [Role; 12] = [
+    const ROLES: [Role; 14] = [
         Role::GBuffer,
         Role::PreviousGBuffer,
         Role::ReservoirsIn,
@@ -171,6 +171,8 @@ fn frame_layout(device: &Device) -> Result<SetLayout> {
         Role::Mean,
         Role::Reference,
         Role::Statistics,
+        Role::Rays,
+        Role::Hits,
     ];
     let mut bindings =
         vec![Binding::one(frame_binding::CONSTANTS, vk::DescriptorType::UNIFORM_BUFFER, stages)];

@@ -2,6 +2,7 @@
 
 use super::verdict::{Arm, arms, error_at};
 use super::{Group, passes, significant};
+use crate::frame::passes::ALL;
 use crate::measure::statistics::Interval;
 use crate::measure::sweep::Row;
 use crate::measure::sweep::point::{Judged, Measurement};
@@ -55,11 +56,26 @@ fn pass_ms(m: &Measurement, stem: &str) -> Option<f64> {
     m.passes.iter().find(|(name, _)| name == stem).map(|(_, t)| t.median)
 }
 
+/// `temporal` of `temporal_unbiased`: variants of a pass, of which a frame has one.
+fn family(stem: &str) -> &str {
+    stem.split('_').next().unwrap_or(stem)
+}
+
+fn family_ms(m: &Measurement, name: &str) -> Option<f64> {
+    m.passes.iter().find(|(stem, _)| family(stem) == name).map(|(_, t)| t.median)
+}
+
 /// All points in one table: what is changed of the first one's command, the passes, the frame, and the frame over the first.
 pub fn bench(rows: &[Row]) -> Table {
-    let stems = passes(rows.iter());
+    let mut families: Vec<&str> = Vec::new();
+    for pass in ALL.iter().map(|pass| family(pass.stem)) {
+        let used = rows.iter().any(|r| r.measured.as_ref().is_some_and(|m| family_ms(m, pass).is_some()));
+        if used && !families.contains(&pass) {
+            families.push(pass);
+        }
+    }
     let mut header = vec!["".to_owned(), "change".into()];
-    header.extend(stems.iter().map(|stem| stem.replace('_', " ")));
+    header.extend(families.iter().map(|&name| name.to_owned()));
     header.extend(["frame, ms", "spread", "over the first"].map(str::to_owned));
     let mut table = vec![header];
     let first = rows.first().and_then(|row| Some((row, row.measured.as_ref()?)));
@@ -74,7 +90,7 @@ pub fn bench(rows: &[Row]) -> Table {
             first.filter(|(r, _)| r.lights != row.lights).map(|_| format!("--lights {}", row.lights));
         let change = first.map(|(_, f)| m.settings.options(&f.settings)).unwrap_or_default();
         cells.push(lights.into_iter().chain(change).collect::<Vec<_>>().join(" "));
-        cells.extend(stems.iter().map(|stem| pass_ms(m, stem).map_or(String::new(), time)));
+        cells.extend(families.iter().map(|name| family_ms(m, name).map_or(String::new(), time)));
         let unsteady = if m.settled.is_some_and(|s| !s.steady) { " (not steady)" } else { "" };
         cells.extend([time(m.frame.median) + unsteady, time(m.frame.spread)]);
         cells.push(first.map_or(String::new(), |(_, f)| format!("{:.3}", m.frame.median / f.frame.median)));
