@@ -3,7 +3,7 @@
 use crate::error::{Error, Result};
 use crate::scene::{EnvironmentSource, SceneSource};
 use crate::settings_file::{CANDIDATES, ITERATIONS, Mode, NEIGHBORS, RESERVOIRS, SettingsFile, Tiles};
-use crate::vulkan::DeviceOptions;
+use crate::vulkan::{DeviceOptions, pipeline_cache};
 use clap::{Args, Parser, Subcommand};
 use glam::UVec2;
 use std::ops::Range;
@@ -76,6 +76,12 @@ pub struct DeviceArgs {
     /// Switch the Vulkan validation layer on; any message is an error.
     #[arg(long)]
     pub validate: bool,
+    /// Compile all pipelines anew, and keep none for the next start (also CANDELA_NO_PIPELINE_CACHE=1).
+    #[arg(long)]
+    pub no_pipeline_cache: bool,
+    /// Say on standard error how long each step from start to first frame takes.
+    #[arg(long)]
+    pub timings: bool,
 }
 
 #[derive(Args, Clone, Debug)]
@@ -360,6 +366,23 @@ pub struct KnobArgs {
 /// Point lights where neither the scene nor the user says how many.
 const DEFAULT_LIGHTS: usize = 500;
 
+impl Cli {
+    /// Are the steps of the start to be reported?
+    pub fn timings(&self) -> bool {
+        match &self.command {
+            None => self.view.device.timings,
+            Some(Command::View(args)) => args.device.timings,
+            Some(Command::Render(args)) => args.device.timings,
+            Some(Command::Reference(args)) => args.device.timings,
+            Some(Command::Info(args)) => args.device.timings,
+            Some(Command::Sweep(args)) => args.device.timings,
+            Some(Command::Floors(args)) => args.device.timings,
+            Some(Command::Explain(args)) => args.device.timings,
+            _ => false,
+        }
+    }
+}
+
 impl SceneArgs {
     pub fn source(&self) -> SceneSource {
         SceneSource::named(&self.scene)
@@ -377,7 +400,14 @@ impl SceneArgs {
 
 impl DeviceArgs {
     pub fn options(&self) -> DeviceOptions {
-        DeviceOptions { validate: self.validate, device: self.device.clone(), ..DeviceOptions::default() }
+        let off = self.no_pipeline_cache
+            || std::env::var_os("CANDELA_NO_PIPELINE_CACHE").is_some_and(|value| value == "1");
+        DeviceOptions {
+            validate: self.validate,
+            device: self.device.clone(),
+            pipeline_cache: if off { None } else { pipeline_cache::default_directory() },
+            ..DeviceOptions::default()
+        }
     }
 }
 

@@ -18,10 +18,14 @@ pub(crate) mod view;
 mod window;
 
 use crate::error::Result;
+use crate::startup;
 use args::{Cli, Command};
 
 /// Runs one command.
 pub fn run(cli: Cli) -> Result<()> {
+    if cli.timings() {
+        startup::report();
+    }
     let Some(command) = cli.command else { return window::run(&cli.view) };
     match command {
         Command::View(args) => window::run(&args),

@@ -3,8 +3,10 @@
 use super::image::SamplerKey;
 use super::instance::{Instance, MessageLog};
 use super::physical::{self, DeviceInfo, PhysicalDevice};
+use super::pipeline_cache::PipelineCache;
 use super::{Check, c_string};
 use crate::error::{Error, Result};
+use crate::startup;
 use ash::{ext, khr, vk};
 use gpu_allocator::vulkan::{
     Allocation, AllocationCreateDesc, AllocationScheme, Allocator, AllocatorCreateDesc,
@@ -12,6 +14,7 @@ use gpu_allocator::vulkan::{
 use gpu_allocator::{AllocationError, MemoryLocation};
 use std::collections::HashMap;
 use std::ffi::CStr;
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -23,6 +26,8 @@ pub struct DeviceOptions {
     pub device: Option<String>,
     /// What a window's surface needs of the instance; if any, the device gets VK_KHR_swapchain.
     pub window_extensions: Vec<&'static CStr>,
+    /// Folder where compiled pipelines outlive the program; none: they don't.
+    pub pipeline_cache: Option<PathBuf>,
 }
 
 /// Limits that the renderer meets.
@@ -61,6 +66,7 @@ pub struct Device(Arc<Inner>);
 
 struct Inner {
     device: ash::Device,
+    pipelines: PipelineCache,
     physical: PhysicalDevice,
     limits: Limits,
     queue: Mutex<vk::Queue>,
@@ -85,6 +91,10 @@ impl std::ops::Deref for Device {
 impl Device {
     /// Errors: no loader, no device with ray tracing (with what each lacks), no such device, no validation layer.
     pub fn new(options: &DeviceOptions) -> Result<Device> {
+        startup::timed("device", || Device::create(options))
+    }
+
+    fn create(options: &DeviceOptions) -> Result<Device> {
         let instance = Instance::new(options.validate, &options.window_extensions)?;
         let mut extensions = physical::EXTENSIONS.to_vec();
         if !options.window_extensions.is_empty() {
@@ -93,6 +103,11 @@ impl Device {
         let physical = physical::choose(&instance.handle, options.device.as_deref(), &extensions)?;
         let (device, anisotropy) = create(&instance.handle, &physical, &extensions)?;
         let limits = limits(&instance.handle, &physical, anisotropy);
+        // SAFETY: a device of this instance.
+        let properties = unsafe { instance.handle.get_physical_device_properties(physical.handle) };
+        let pipelines = PipelineCache::new(&device, options.pipeline_cache.as_deref(), &properties);
+        // SAFETY: nothing has been made from the device yet.
+        let pipelines = pipelines.inspect_err(|_| unsafe { device.destroy_device(None) })?;
         let allocator = Allocator::new(&AllocatorCreateDesc {
             instance: instance.handle.clone(),
             device: device.clone(),
@@ -102,8 +117,11 @@ impl Device {
             allocation_sizes: Default::default(),
         });
         let allocator = allocator.map_err(|e| {
-            // SAFETY: nothing has been made from the device yet.
-            unsafe { device.destroy_device(None) };
+            // SAFETY: nothing else has been made from the device yet.
+            unsafe {
+                device.destroy_pipeline_cache(pipelines.handle, None);
+                device.destroy_device(None);
+            }
             Error::Usage(format!("{}: can't manage its memory: {e}", physical.info.name))
         })?;
         // SAFETY: the device was created with one queue of this family.
@@ -121,6 +139,7 @@ impl Device {
             memory_used: AtomicU64::new(0),
             samplers: Mutex::default(),
             device,
+            pipelines,
             physical,
             instance,
         })))
@@ -153,6 +172,11 @@ impl Device {
     /// The queue, locked: Vulkan wants one thread at a time on it.
     pub fn queue(&self) -> MutexGuard<'_, vk::Queue> {
         self.0.queue.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// For all pipelines; several threads may use it.
+    pub fn pipeline_cache(&self) -> vk::PipelineCache {
+        self.0.pipelines.handle
     }
 
     pub fn acceleration(&self) -> &khr::acceleration_structure::Device {
@@ -262,6 +286,7 @@ fn out_of_memory(what: &str, bytes: u64, location: MemoryLocation) -> Error {
 
 impl Drop for Inner {
     fn drop(&mut self) {
+        self.pipelines.save(&self.device);
         // SAFETY: all that was made from the device held a clone of it, so it is gone; memory goes before the device.
         unsafe {
             let _ = self.device.device_wait_idle();
@@ -269,6 +294,7 @@ impl Drop for Inner {
                 self.device.destroy_sampler(sampler, None);
             }
             self.allocator = None;
+            self.device.destroy_pipeline_cache(self.pipelines.handle, None);
             self.device.destroy_device(None);
         }
     }

@@ -13,6 +13,7 @@ pub mod image;
 mod instance;
 mod physical;
 pub mod pipeline;
+pub mod pipeline_cache;
 pub mod ray_pipeline;
 pub mod shader_table;
 pub mod surface;
