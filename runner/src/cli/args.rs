@@ -187,6 +187,9 @@ pub struct ReferenceArgs {
 pub struct InfoArgs {
     #[command(flatten)]
     pub scene: SceneArgs,
+    /// Also what the driver's compiler made of each pass for this scene: registers, spills, instructions, as far as it tells.
+    #[arg(long)]
+    pub pipelines: bool,
     #[command(flatten)]
     pub device: DeviceArgs,
     /// As one JSON object.

@@ -8,6 +8,7 @@ mod fixtures;
 mod floors;
 mod info;
 mod output;
+mod pipelines;
 mod progress;
 mod reference;
 mod render;

@@ -28,6 +28,8 @@ pub struct DeviceOptions {
     pub window_extensions: Vec<&'static CStr>,
     /// Folder where compiled pipelines outlive the program; none: they don't.
     pub pipeline_cache: Option<PathBuf>,
+    /// Pipelines can tell what the driver's compiler made of them, where it offers that.
+    pub pipeline_statistics: bool,
 }
 
 /// Limits that the renderer meets.
@@ -74,6 +76,7 @@ struct Inner {
     ray_tracing: khr::ray_tracing_pipeline::Device,
     push_descriptor: khr::push_descriptor::Device,
     debug_utils: Option<ext::debug_utils::Device>,
+    executables: Option<khr::pipeline_executable_properties::Device>,
     /// `None` only while the device is being dropped.
     allocator: Option<Arc<Mutex<Allocator>>>,
     memory_used: AtomicU64,
@@ -101,6 +104,12 @@ impl Device {
             extensions.push(khr::swapchain::NAME);
         }
         let physical = physical::choose(&instance.handle, options.device.as_deref(), &extensions)?;
+        let wants_statistics = options.pipeline_statistics;
+        let has_statistics =
+            wants_statistics && physical::has_executables(&instance.handle, physical.handle)?;
+        if has_statistics {
+            extensions.push(khr::pipeline_executable_properties::NAME);
+        }
         let (device, anisotropy) = create(&instance.handle, &physical, &extensions)?;
         let limits = limits(&instance.handle, &physical, anisotropy);
         // SAFETY: a device of this instance.
@@ -132,6 +141,8 @@ impl Device {
             acceleration: khr::acceleration_structure::Device::new(&instance.handle, &device),
             ray_tracing: khr::ray_tracing_pipeline::Device::new(&instance.handle, &device),
             push_descriptor: khr::push_descriptor::Device::new(&instance.handle, &device),
+            executables: has_statistics
+                .then(|| khr::pipeline_executable_properties::Device::new(&instance.handle, &device)),
             debug_utils: instance
                 .has_debug_utils
                 .then(|| ext::debug_utils::Device::new(&instance.handle, &device)),
@@ -193,6 +204,24 @@ impl Device {
 
     pub fn debug_utils(&self) -> Option<&ext::debug_utils::Device> {
         self.0.debug_utils.as_ref()
+    }
+
+    /// If pipelines are made to tell about themselves.
+    pub(super) fn executables(&self) -> Option<&khr::pipeline_executable_properties::Device> {
+        self.0.executables.as_ref()
+    }
+
+    /// Can pipelines tell what the driver's compiler made of them?
+    pub fn has_pipeline_statistics(&self) -> bool {
+        self.executables().is_some()
+    }
+
+    /// How all pipelines are made.
+    pub(super) fn pipeline_flags(&self) -> vk::PipelineCreateFlags {
+        match self.has_pipeline_statistics() {
+            true => vk::PipelineCreateFlags::CAPTURE_STATISTICS_KHR,
+            false => vk::PipelineCreateFlags::empty(),
+        }
     }
 
     /// For libraries that allocate themselves (the GUI); they must let go of it before the device drops.
@@ -320,13 +349,18 @@ fn create(
         .queue_family_index(physical.queue_family)
         .queue_priorities(&[1.0])];
     let names: Vec<_> = extensions.iter().map(|name| name.as_ptr()).collect();
-    let info = vk::DeviceCreateInfo::default()
+    let mut executables =
+        vk::PhysicalDevicePipelineExecutablePropertiesFeaturesKHR::default().pipeline_executable_info(true);
+    let mut info = vk::DeviceCreateInfo::default()
         .queue_create_infos(&queues)
         .enabled_extension_names(&names)
         .enabled_features(&optional)
         .push_next(&mut v12)
         .push_next(&mut acceleration)
         .push_next(&mut ray_tracing);
+    if extensions.contains(&khr::pipeline_executable_properties::NAME) {
+        info = info.push_next(&mut executables);
+    }
     // SAFETY: `choose` has seen that the device has these extensions and features.
     let device = unsafe { instance.create_device(physical.handle, &info, None) }
         .check(format_args!("create device '{}'", physical.info.name))?;

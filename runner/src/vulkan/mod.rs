@@ -9,6 +9,7 @@ pub mod commands;
 mod compaction;
 pub mod descriptors;
 pub mod device;
+pub mod executables;
 pub mod image;
 mod instance;
 mod physical;

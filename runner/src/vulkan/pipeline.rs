@@ -187,7 +187,10 @@ impl ComputePipeline {
             .module(modules.get(&shader)?)
             .name(shader.entry)
             .specialization_info(&constants);
-        let info = vk::ComputePipelineCreateInfo::default().stage(stage).layout(pipeline.layout);
+        let info = vk::ComputePipelineCreateInfo::default()
+            .flags(device.pipeline_flags())
+            .stage(stage)
+            .layout(pipeline.layout);
         // SAFETY: module and layout are alive; the shader's interface is the layout's.
         let made = unsafe { device.create_compute_pipelines(device.pipeline_cache(), &[info], None) };
         let made = made.map_err(|(_, result)| result).check(format_args!("create pipeline '{name}'"))?;

@@ -130,6 +130,7 @@ fn create(device: &Device, desc: &RayPipelineDesc, layout: vk::PipelineLayout) -
         );
     }
     let info = vk::RayTracingPipelineCreateInfoKHR::default()
+        .flags(device.pipeline_flags())
         .stages(&stages.stages)
         .groups(&groups)
         .max_pipeline_ray_recursion_depth(1)
