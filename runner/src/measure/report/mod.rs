@@ -115,7 +115,8 @@ impl<'a> Group<'a> {
     fn unsettled(&self) -> Option<String> {
         let unsettled =
             |r: &&&Row| r.measured.as_ref().and_then(|m| m.settled).is_some_and(|settled| !settled.steady);
-        let names: Vec<_> = self.rows.iter().filter(unsettled).map(|r| r.label.as_str()).collect();
+        let name = |r: &&Row| format!("{}, {}", r.series, r.label);
+        let names: Vec<_> = self.rows.iter().filter(unsettled).map(name).collect();
         let all = names.len() == self.rows.len();
         let which = if all { "all points".to_owned() } else { names.join("; ") };
         (!names.is_empty())
