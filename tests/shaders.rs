@@ -87,7 +87,7 @@ fn element(set: u32, binding: u32) -> Option<(&'static str, usize)> {
     use shared::{
         alias_table::AliasEntry, environment::EnvironmentTexel, geometry::*, light::Light,
         light::tile::TileEntry, material::Material, motion::InstanceMotion, reservoir::StoredReservoir,
-        surface::GBufferTexel,
+        stored_ray::StoredRay, surface::GBufferTexel,
     };
     Some(match (set, binding) {
         (scene::SET, scene::INSTANCES) => ("fffufffufffufffffffffffffu", size_of::<InstanceGeometry>()),
@@ -107,7 +107,8 @@ fn element(set: u32, binding: u32) -> Option<(&'static str, usize)> {
         }
         (frame::SET, frame::RADIANCE | frame::MEAN | frame::REFERENCE) => ("fff", 12),
         (frame::SET, frame::STATISTICS) => ("fff", 12),
-        (frame::SET, frame::DISPLAY) => ("u", 4),
+        (frame::SET, frame::RAYS) => ("fffufffu", size_of::<StoredRay>()),
+        (frame::SET, frame::DISPLAY | frame::HITS) => ("u", 4),
         (frame::SET, frame::TILE_ENTRIES) => ("fffuuufu", size_of::<TileEntry>()),
         (frame::SET, frame::TILE_POINTS) => ("u", 4),
         (past::SET, past::MOTIONS) => ("fffffffffffffffu", size_of::<InstanceMotion>()),

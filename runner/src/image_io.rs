@@ -5,6 +5,7 @@ use glam::{UVec2, Vec3};
 use image::{ImageFormat, Rgb, Rgb32FImage, RgbaImage};
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
+use std::time::{SystemTime, UNIX_EPOCH};
 
 /// A file format a picture can be written in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -86,9 +87,11 @@ fn encoding(path: &Path, error: image::ImageError) -> Error {
     Error::File { path: path.into(), action: "encode or decode", source: std::io::Error::other(error) }
 }
 
+/// Where a file is written before it has its name; jobs on several machines may write the same file.
 fn partial(path: &Path) -> PathBuf {
+    let now = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |d| d.as_nanos());
     let mut name = path.as_os_str().to_owned();
-    name.push(".partial");
+    name.push(format!(".{:x}-{now:x}.partial", std::process::id()));
     name.into()
 }
 
@@ -96,8 +99,12 @@ fn partial(path: &Path) -> PathBuf {
 pub fn replace(path: &Path, bytes: &[u8]) -> Result<()> {
     let failed = |source| Error::File { path: path.into(), action: "write", source };
     let partial = partial(path);
-    std::fs::write(&partial, bytes).map_err(failed)?;
-    std::fs::rename(&partial, path).map_err(failed)
+    let written = std::fs::write(&partial, bytes).and_then(|()| std::fs::rename(&partial, path));
+    written.map_err(|source| {
+        // Half a file is no use to anyone.
+        let _ = std::fs::remove_file(&partial);
+        failed(source)
+    })
 }
 
 /// A JPEG of `color` (display values, 0..=1) over `size` pixels.

@@ -1,13 +1,17 @@
 use candela::cli::{self, args::Cli};
 use clap::Parser;
 use std::process::ExitCode;
+use tracing_subscriber::EnvFilter;
 
 /// Bad input: clap uses the same code.
 const BAD_INPUT: u8 = 2;
 
 fn main() -> ExitCode {
+    candela::startup::begin();
+    // What the user should know even without RUST_LOG.
+    let quiet = || EnvFilter::new("error,candela=warn");
     tracing_subscriber::fmt()
-        .with_env_filter(tracing_subscriber::EnvFilter::from_default_env())
+        .with_env_filter(EnvFilter::try_from_default_env().unwrap_or_else(|_| quiet()))
         .with_writer(std::io::stderr)
         .init();
     match cli::run(Cli::parse()) {

@@ -2,6 +2,7 @@
 
 use crate::error::{Error, Result};
 use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
 use shared::frame::{Settings, mode};
 use std::fmt::Display;
 use std::ops::RangeInclusive;
@@ -139,6 +140,29 @@ impl SettingsFile {
         serde_json::to_string_pretty(self).unwrap_or_default() + "\n"
     }
 
+    /// What the command line says to get these knobs from `base`.
+    pub fn options(&self, base: &SettingsFile) -> Vec<String> {
+        let knobs = |file: &SettingsFile| match serde_json::to_value(file) {
+            Ok(Value::Object(knobs)) => knobs,
+            // It is a document of named knobs.
+            _ => Map::new(),
+        };
+        let base = knobs(base);
+        let changed = knobs(self).into_iter().filter(|(name, value)| base.get(name) != Some(value));
+        let option = |(name, value): (String, Value)| {
+            let name = name.replace('_', "-");
+            match &value {
+                Value::Bool(true) => format!("--{name}"),
+                Value::Bool(false) => format!("--no-{name}"),
+                Value::String(word) if word == "on" => format!("--{name}"),
+                Value::String(word) if word == "off" => format!("--no-{name}"),
+                Value::String(word) => format!("--{name} {word}"),
+                number => format!("--{name} {number}"),
+            }
+        };
+        changed.map(option).collect()
+    }
+
     /// The first knob that is out of its range, in one line.
     pub fn check(&self) -> Result<(), String> {
         within("candidates", self.candidates, CANDIDATES)?;
@@ -260,6 +284,33 @@ mod tests {
         for cosine_of in [0.906, 0.5, 0.123_456_79, -0.3] {
             assert_eq!(cosine(degrees(cosine_of)), cosine_of);
         }
+    }
+
+    /// What is said is what the command line takes, and gives the document again.
+    #[test]
+    fn options_lead_from_one_document_to_another() {
+        use clap::Parser;
+        #[derive(Parser)]
+        struct Line {
+            #[command(flatten)]
+            knobs: crate::cli::args::KnobArgs,
+        }
+        let base = SettingsFile::default();
+        let other = SettingsFile {
+            mode: Mode::Unbiased,
+            candidates: 7,
+            visibility: false,
+            radius: 12.5,
+            confidence_cap: 3.0,
+            normal_threshold: 33.5,
+            tiles: Tiles::Off,
+            ..SettingsFile::default()
+        };
+        let line = other.options(&base).join(" ");
+        let parsed = Line::try_parse_from(["candela"].into_iter().chain(line.split(' '))).unwrap();
+        assert_eq!(parsed.knobs.document().unwrap(), other, "{line}");
+        assert!(base.options(&base).is_empty());
+        assert_eq!(SettingsFile { visibility: true, ..other.clone() }.options(&other), ["--visibility"]);
     }
 
     #[test]

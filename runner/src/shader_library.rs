@@ -15,7 +15,7 @@ macro_rules! modules {
 
 modules! {
     "gbuffer" "initial" "temporal" "spatial" "shade" "tonemap" "reference"
-    "accumulate" "view" "statistics"
+    "accumulate" "view" "statistics" "floor_primary" "floor_shadow" "floor_copy"
     "presample" "initial_tiled" "temporal_unbiased" "spatial_unbiased"
     "temporal_moving" "temporal_unbiased_moving"
     "closest_hit" "primary_any_hit" "shadow_any_hit" "primary_miss" "shadow_miss"

@@ -9,7 +9,7 @@ const POINTS: usize = 6;
 
 fn sweep(directory: &Path) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_candela"));
-    command.args(["sweep", "smoke", "-o"]).arg(directory);
+    command.env("CANDELA_NO_PIPELINE_CACHE", "1").args(["sweep", "smoke", "-o"]).arg(directory);
     if std::env::var("CANDELA_NO_VALIDATION").as_deref() != Ok("1") {
         command.arg("--validate");
     }
@@ -130,6 +130,67 @@ fn cells(line: &str) -> Vec<String> {
         c == ',' && !quoted
     };
     line.split(ends_cell).map(|cell| cell.replace('"', "")).collect()
+}
+
+/// A sweep of `plan` in `folder`; its output and points.json, or none without a device.
+fn swept(folder: &Path, plan: &str) -> Option<(String, serde_json::Value)> {
+    std::fs::create_dir_all(folder).unwrap();
+    std::fs::write(folder.join("plan.toml"), plan).unwrap();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_candela"));
+    command.env("CANDELA_NO_PIPELINE_CACHE", "1").arg("sweep").arg(folder.join("plan.toml"));
+    let output = command.arg("-o").arg(folder).output().unwrap();
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    if !output.status.success() && std::env::var("CANDELA_ALLOW_NO_GPU").as_deref() == Ok("1") {
+        eprintln!("skipped: {}", text(&output.stderr));
+        return None;
+    }
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let json = std::fs::read(folder.join("points.json")).unwrap();
+    Some((text(&output.stdout), serde_json::from_slice(&json).unwrap()))
+}
+
+const TINY: &str = "title = 'x'\nsize = [24, 16]\nwarm_up = 0\nframes = 2\nreplicas = 2\nSWITCH\n\
+    steady = { ms = 0, window_ms = 0, within = 10, max_ms = 1000 }\n[[scene]]\nname = 'here'\nsource = 'knot'\nlights = [5]\n\
+    [[series]]\nname = 'one'\nsettings = { candidates = 128, temporal = false, spatial = false }\n";
+
+/// A truth of frames with noise of their own, which begins far too coarse: it goes on until it is good enough for what it
+/// judges, or says that it was not allowed to.
+#[test]
+fn a_truth_is_as_good_as_what_it_judges_needs() {
+    let folder = Folder(std::env::temp_dir().join(format!("candela-truth-{}", std::process::id())));
+    let truth = |part: &str, most: u32| {
+        let rest = format!("[truth]\nmax_rays = 1\nerror = 10\npart = {part}\nmax_samples = {most}\n");
+        let (_, points) = swept(&folder.0, &(TINY.replace("SWITCH", "") + &rest))?;
+        let measured = &points["rows"][0]["measured"];
+        let number = |value: &serde_json::Value| value.as_f64().unwrap();
+        let smallest = number(&measured["error"]["rel_mse"]["mean"]).sqrt();
+        let truth = &measured["truth"];
+        Some((number(&truth["samples"]), number(&truth["error"]) / smallest, truth["capped"] == true))
+    };
+    // Whatever it is, is enough.
+    let Some((few, coarse, false)) = truth("1e9", 4000) else { return };
+    assert!(few < 10.0 && coarse > 0.1, "{few} samples, {coarse} of the smallest error");
+    let (stopped, part, capped) = truth("0.1", 12).unwrap();
+    assert!(stopped == 12.0 && part > 0.1 && capped, "{stopped} samples, {part}");
+    let html = std::fs::read_to_string(folder.0.join("report.html")).unwrap();
+    assert!(html.contains("the plan allows no more samples"));
+    let (enough, part, capped) = truth("0.1", 4000).unwrap();
+    assert!(enough > 12.0 && enough < 4000.0 && part <= 0.1 && !capped, "{enough} samples, {part}");
+}
+
+/// Times alone: no errors, nothing kept, one table whose first row is 1.
+#[test]
+fn a_bench_is_times_alone() {
+    let folder = Folder(std::env::temp_dir().join(format!("candela-bench-{}", std::process::id())));
+    let plan = TINY.replace("SWITCH", "times_only = true").replace("candidates = 128", "candidates = [1, 8]");
+    let Some((output, points)) = swept(&folder.0, &plan) else { return };
+    assert!(output.contains("| candidates 8 | --candidates 8 |") && output.contains("| 1.000 |"), "{output}");
+    for row in points["rows"].as_array().unwrap() {
+        let measured = &row["measured"];
+        assert!(measured["frame"]["median"].as_f64().unwrap() > 0.0 && measured.get("error").is_none());
+        assert!(measured["settled"]["frames"].as_f64().unwrap() >= 6.0);
+    }
+    assert_eq!(std::fs::read_dir(folder.0.join("cache")).unwrap().count(), 0);
 }
 
 /// A scene that does not exist and a camera that does not exist: the third point is measured all the same.

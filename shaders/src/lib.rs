@@ -5,6 +5,7 @@
 #![allow(clippy::too_many_arguments)]
 
 pub mod accumulate;
+pub mod floors;
 pub mod gbuffer;
 pub mod hit;
 pub mod initial;

@@ -98,6 +98,9 @@ pub mod frame_binding {
     pub const MEAN: u32 = 10;
     pub const REFERENCE: u32 = 11;
     pub const STATISTICS: u32 = 12;
+    /// Of the floors: rays to trace again, and whether each met anything.
+    pub const RAYS: u32 = 13;
+    pub const HITS: u32 = 14;
 }
 
 /// Descriptor set 2: the scene as it was in the previous frame, for passes that ask for it.

@@ -26,7 +26,7 @@
 //! Reading order: [`math`], [`rng`], [`pdf`], [`sampling`], [`alias_table`], [`environment`], [`light`], [`camera`],
 //! [`frame`], [`geometry`], [`material`], [`ray_cone`], [`alpha`], [`surface`], [`bsdf`], [`target`], [`shadow`],
 //! [`reservoir`], [`motion`], [`resampling`], [`shading`], [`reference`], [`tonemap`], [`view`], [`statistics`],
-//! [`interface`].
+//! [`stored_ray`], [`interface`].
 #![cfg_attr(target_arch = "spirv", no_std)]
 
 pub mod alias_table;
@@ -51,6 +51,7 @@ pub mod sampling;
 pub mod shading;
 pub mod shadow;
 pub mod statistics;
+pub mod stored_ray;
 pub mod surface;
 pub mod target;
 pub mod tonemap;

@@ -1,4 +1,4 @@
-//! Every chore has one command: `cargo xtask setup`, `demo`, `test`, `shaders`, `models`, `fixtures`, `results`.
+//! Every chore has one command: `cargo xtask setup`, `demo`, `test`, `shaders`, `models`, `fixtures`, `bench`, `results`.
 
 mod checks;
 mod command;
@@ -35,6 +35,8 @@ enum Task {
     Models,
     /// Write the test scenes to assets/scenes
     Fixtures,
+    /// Measure the rows of docs/performance.md on this machine: a Markdown table, and out/bench/points.json
+    Bench,
     /// Fill the tables of docs/results.md from docs/results
     Results,
 }
@@ -57,6 +59,7 @@ fn run(task: Task) -> Result<()> {
         Task::Shaders { check } => shaders::run(check),
         Task::Models => models::run(),
         Task::Fixtures => candela(&["fixtures", "assets/scenes"]),
+        Task::Bench => candela(&["sweep", "bench", "-o", "out/bench"]),
         Task::Results => candela(&["report", "docs/results", "--markdown", "docs/results.md"]),
     }
 }

@@ -5,7 +5,7 @@ use crate::scene::{EnvironmentSource, SceneSource};
 use crate::settings_file::{
     BSDF_CANDIDATES, CANDIDATES, ITERATIONS, Mode, NEIGHBORS, RESERVOIRS, SettingsFile, Tiles,
 };
-use crate::vulkan::DeviceOptions;
+use crate::vulkan::{DeviceOptions, pipeline_cache};
 use clap::{Args, Parser, Subcommand};
 use glam::{DVec3, UVec2};
 use std::ops::Range;
@@ -37,6 +37,8 @@ pub enum Command {
     Compare(CompareArgs),
     /// Measure times and errors over scenes, lights and settings, and write a report.
     Sweep(SweepArgs),
+    /// Measure the least that a frame's rays and bytes take on this device.
+    Floors(FloorsArgs),
     /// Write the report of a sweep again, or the tables of a page.
     Report(ReportArgs),
     /// Write a scene for other programs: scene.json and PLY files (tools/mitsuba renders them with Mitsuba).
@@ -76,6 +78,12 @@ pub struct DeviceArgs {
     /// Switch the Vulkan validation layer on; any message is an error.
     #[arg(long)]
     pub validate: bool,
+    /// Compile all pipelines anew, and keep none for the next start (also CANDELA_NO_PIPELINE_CACHE=1).
+    #[arg(long)]
+    pub no_pipeline_cache: bool,
+    /// Say on standard error how long each step from start to first frame takes.
+    #[arg(long)]
+    pub timings: bool,
 }
 
 #[derive(Args, Clone, Debug)]
@@ -181,6 +189,9 @@ pub struct ReferenceArgs {
 pub struct InfoArgs {
     #[command(flatten)]
     pub scene: SceneArgs,
+    /// Also what the driver's compiler made of each pass for this scene: registers, spills, instructions, as far as it tells.
+    #[arg(long)]
+    pub pipelines: bool,
     #[command(flatten)]
     pub device: DeviceArgs,
     /// As one JSON object.
@@ -204,7 +215,7 @@ pub struct CompareArgs {
 
 #[derive(Args, Clone, Debug)]
 pub struct SweepArgs {
-    /// A .toml file, or a built-in plan: thesis, lights, modes, smoke.
+    /// A .toml file, or a built-in plan: thesis, lights, modes, bench (times alone), smoke.
     pub plan: PathBuf,
     /// Folder of the results: points.json, points.csv, report.html.
     #[arg(short, long, value_name = "DIR")]
@@ -235,6 +246,26 @@ pub struct SweepArgs {
     pub list: bool,
     #[command(flatten)]
     pub device: DeviceArgs,
+}
+
+#[derive(Args, Clone, Debug)]
+pub struct FloorsArgs {
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// Width x height in pixels.
+    #[arg(long, default_value = "1920x1080", value_parser = parse_size)]
+    pub size: UVec2,
+    /// As for `render`.
+    #[arg(long)]
+    pub camera: Option<String>,
+    /// Timed launches of each kind of ray, and timed frames.
+    #[arg(long, default_value_t = 32, value_parser = clap::value_parser!(u32).range(2..))]
+    pub frames: u32,
+    #[command(flatten)]
+    pub device: DeviceArgs,
+    /// As one JSON object.
+    #[arg(long)]
+    pub json: bool,
 }
 
 #[derive(Args, Clone, Debug)]
@@ -348,6 +379,23 @@ pub struct KnobArgs {
 /// Point lights where neither the scene nor the user says how many.
 const DEFAULT_LIGHTS: usize = 500;
 
+impl Cli {
+    /// Are the steps of the start to be reported?
+    pub fn timings(&self) -> bool {
+        match &self.command {
+            None => self.view.device.timings,
+            Some(Command::View(args)) => args.device.timings,
+            Some(Command::Render(args)) => args.device.timings,
+            Some(Command::Reference(args)) => args.device.timings,
+            Some(Command::Info(args)) => args.device.timings,
+            Some(Command::Sweep(args)) => args.device.timings,
+            Some(Command::Floors(args)) => args.device.timings,
+            Some(Command::Explain(args)) => args.device.timings,
+            _ => false,
+        }
+    }
+}
+
 impl SceneArgs {
     pub fn source(&self) -> SceneSource {
         SceneSource::named(&self.scene)
@@ -365,7 +413,14 @@ impl SceneArgs {
 
 impl DeviceArgs {
     pub fn options(&self) -> DeviceOptions {
-        DeviceOptions { validate: self.validate, device: self.device.clone(), ..DeviceOptions::default() }
+        let off = self.no_pipeline_cache
+            || std::env::var_os("CANDELA_NO_PIPELINE_CACHE").is_some_and(|value| value == "1");
+        DeviceOptions {
+            validate: self.validate,
+            device: self.device.clone(),
+            pipeline_cache: if off { None } else { pipeline_cache::default_directory() },
+            ..DeviceOptions::default()
+        }
     }
 }
 

@@ -1,6 +1,7 @@
 //! `candela info`: what a scene contains, what each of its features costs, and what is left out.
 
 use super::args::InfoArgs;
+use super::pipelines;
 use super::view;
 use crate::error::Result;
 use crate::gpu_scene::GpuScene;
@@ -8,7 +9,8 @@ use crate::gpu_scene::arrays::SceneArrays;
 use crate::gpu_scene::memory::{self, Cost};
 use crate::scene::lights::LightTable;
 use crate::scene::{AlphaMode, Material, Primitive, SceneDescription, Workflow, emission};
-use crate::vulkan::Device;
+use crate::vulkan::executables::Executable;
+use crate::vulkan::{Device, DeviceOptions};
 use glam::{DVec3, Vec3};
 use serde::Serialize;
 use shared::frame::features;
@@ -33,6 +35,9 @@ struct Info {
     memory: Vec<Cost>,
     /// Bytes, on the device that a picture would be rendered on; none without one.
     acceleration_structures: Option<u64>,
+    /// Passes and what they were compiled to; none if that was not asked for, or without a device that tells.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pipelines: Option<Vec<(&'static str, Vec<Executable>)>>,
     /// What the file has and a picture does not show, with the reasons.
     left_out: Vec<String>,
 }
@@ -43,6 +48,7 @@ pub fn run(args: &InfoArgs) -> Result<()> {
     let arrays = SceneArrays::new(&scene, &lights)?;
     let bounds = scene.bounds();
     let in_file = |p: Vec3| (scene.origin + p.as_dvec3()).to_array();
+    let on_device = on_device(args, &scene)?;
     let info = Info {
         name: scene.name.clone(),
         triangles: scene.triangle_count(),
@@ -56,7 +62,8 @@ pub fn run(args: &InfoArgs) -> Result<()> {
         flux: lights.lights.iter().map(|light| f64::from(light.power)).sum(),
         features: features(&scene, &arrays),
         memory: memory::costs(&scene, &lights, &arrays),
-        acceleration_structures: acceleration_bytes(args, &scene),
+        acceleration_structures: on_device.acceleration,
+        pipelines: on_device.pipelines,
         left_out: scene.warnings.clone(),
     };
     if args.json {
@@ -64,14 +71,44 @@ pub fn run(args: &InfoArgs) -> Result<()> {
         println!("{:#}", serde_json::to_value(&info).unwrap_or_default());
     } else {
         print(&info);
+        info.pipelines.iter().flatten().for_each(|(pass, executables)| pipelines::print(pass, executables));
+        if let Some(reason) = on_device.silent {
+            println!("  pipelines: {reason}");
+        }
     }
     Ok(())
 }
 
+/// What only a device can say.
+#[derive(Default)]
+struct OnDevice {
+    acceleration: Option<u64>,
+    pipelines: Option<Vec<(&'static str, Vec<Executable>)>>,
+    /// Why nothing is said of pipelines that were asked for.
+    silent: Option<String>,
+}
+
 /// Built to be measured; a machine without a device still tells all the rest.
-fn acceleration_bytes(args: &InfoArgs, scene: &SceneDescription) -> Option<u64> {
-    let device = Device::new(&args.device.options()).ok()?;
-    GpuScene::new(&device, scene).ok().map(|scene| scene.acceleration_bytes())
+fn on_device(args: &InfoArgs, scene: &SceneDescription) -> Result<OnDevice> {
+    let options = DeviceOptions { pipeline_statistics: args.pipelines, ..args.device.options() };
+    let device = match Device::new(&options) {
+        Ok(device) => device,
+        Err(error) => {
+            let silent = args.pipelines.then(|| error.to_string());
+            return Ok(OnDevice { silent, ..OnDevice::default() });
+        }
+    };
+    let Ok(scene) = GpuScene::new(&device, scene) else { return Ok(OnDevice::default()) };
+    let acceleration = Some(scene.acceleration_bytes());
+    if !args.pipelines {
+        return Ok(OnDevice { acceleration, ..OnDevice::default() });
+    }
+    if !device.has_pipeline_statistics() {
+        let name = &device.info().name;
+        let silent = Some(format!("{name} does not offer VK_KHR_pipeline_executable_properties"));
+        return Ok(OnDevice { acceleration, silent, ..OnDevice::default() });
+    }
+    Ok(OnDevice { acceleration, pipelines: Some(pipelines::executables(&device, &scene)?), silent: None })
 }
 
 /// Whether a material has something.

@@ -5,8 +5,10 @@ mod compare;
 mod explain;
 mod export;
 mod fixtures;
+mod floors;
 mod info;
 mod output;
+mod pipelines;
 mod progress;
 mod reference;
 mod render;
@@ -17,10 +19,14 @@ pub(crate) mod view;
 mod window;
 
 use crate::error::Result;
+use crate::startup;
 use args::{Cli, Command};
 
 /// Runs one command.
 pub fn run(cli: Cli) -> Result<()> {
+    if cli.timings() {
+        startup::report();
+    }
     let Some(command) = cli.command else { return window::run(&cli.view) };
     match command {
         Command::View(args) => window::run(&args),
@@ -29,6 +35,7 @@ pub fn run(cli: Cli) -> Result<()> {
         Command::Info(args) => info::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Sweep(args) => sweep::run(&args),
+        Command::Floors(args) => floors::run(&args),
         Command::Report(args) => report::run(&args),
         Command::Export(args) => export::run(&args),
         Command::Explain(args) => explain::run(&args),

@@ -8,6 +8,7 @@ use crate::frame::schedule::Work;
 use crate::gpu_scene::GpuScene;
 use crate::measure::mean::Mean;
 use crate::measure::times::PassTimes;
+use crate::startup;
 use crate::vulkan::Device;
 use glam::Vec3;
 
@@ -41,6 +42,9 @@ fn still(args: &RenderArgs, frames: u32) -> Result<()> {
     let mut mean = Mean::new(size);
     for _ in 0..frames {
         times.add(renderer.render(camera, &options)?);
+        if bar.position() == 0 {
+            startup::reached("first frame, from start");
+        }
         if args.accumulate {
             mean.add(&renderer.radiance()?);
         }

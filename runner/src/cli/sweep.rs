@@ -3,7 +3,7 @@
 use super::args::SweepArgs;
 use super::{output, progress};
 use crate::error::{Error, Result};
-use crate::measure::report;
+use crate::measure::report::{self, markdown, tables};
 use crate::measure::sweep::plan::Plan;
 use crate::measure::sweep::store::Store;
 use crate::measure::sweep::{Results, Sweep, point};
@@ -52,6 +52,11 @@ pub fn run(args: &SweepArgs) -> Result<()> {
     bar.finish_and_clear();
     let failed: Vec<String> = rows.iter().filter_map(|row| row.error.clone()).collect();
     let total = rows.len();
+    if plan.times_only {
+        let mut table = format!("{}, {}\n", about.device.name, about.device.driver);
+        markdown::write_table(&mut table, &tables::bench(&rows));
+        println!("{table}");
+    }
     report::write(&args.output, &Results { about, plan: plan.clone(), rows })?;
     println!("wrote {}", args.output.join("report.html").display());
     match failed.first() {

@@ -22,7 +22,6 @@ use crate::frame::schedule::Work;
 use crate::gpu_scene::arrays::{SceneArrays, environment_texels};
 use crate::scene::animation::Pose;
 use crate::scene::{SceneDescription, lights};
-use bytemuck::Pod;
 use glam::{Affine3A, UVec2, Vec3};
 use rays::{Hit, Occluders};
 use record::{PassReport, Shading, SurfaceReport};
@@ -188,7 +187,7 @@ impl<'a> Witness<'a> {
     fn see(&mut self, history: &History, frame: &FrameConstants, step: &Step) -> Result<()> {
         if step.pass.stem == "gbuffer" {
             self.frame = Some(*frame);
-            self.gbuffer = read(history, step, Role::GBuffer)?;
+            self.gbuffer = history.read_role(step, Role::GBuffer)?;
             self.emission = self.radiance(history)?;
         }
         let texel = self.gbuffer[frame.pixel_index(self.pixel) as usize];
@@ -209,19 +208,20 @@ impl<'a> Witness<'a> {
             "initial" | "initial_tiled" => {
                 let tiled = stem == "initial_tiled";
                 let entries: Vec<TileEntry> =
-                    if tiled { read(history, step, Role::TileEntries)? } else { vec![] };
-                let points: Vec<u32> = if tiled { read(history, step, Role::TilePoints)? } else { vec![] };
+                    if tiled { history.read_role(step, Role::TileEntries)? } else { vec![] };
+                let points: Vec<u32> =
+                    if tiled { history.read_role(step, Role::TilePoints)? } else { vec![] };
                 let tiles = tiled.then_some(Tiles { entries: &entries, points: &points });
-                let after = read(history, step, Role::ReservoirsOut)?;
+                let after = history.read_role(step, Role::ReservoirsOut)?;
                 reports.extend(lanes.map(|lane| replay.initial(stem, lane, tiles, &after)));
                 self.reservoirs = after;
             }
             "temporal" | "temporal_unbiased" | "temporal_moving" | "temporal_unbiased_moving" => {
                 let before = if stem.ends_with("_moving") { self.world.before(texel.instance) } else { None };
-                let gbuffer: Vec<GBufferTexel> = read(history, step, Role::PreviousGBuffer)?;
-                let ended: Vec<StoredReservoir> = read(history, step, Role::ReservoirsHistory)?;
+                let gbuffer: Vec<GBufferTexel> = history.read_role(step, Role::PreviousGBuffer)?;
+                let ended: Vec<StoredReservoir> = history.read_role(step, Role::ReservoirsHistory)?;
                 let previous = Pixels { gbuffer: &gbuffer, reservoirs: &ended };
-                let after: Vec<_> = read(history, step, Role::ReservoirsOut)?;
+                let after: Vec<_> = history.read_role(step, Role::ReservoirsOut)?;
                 reports.extend(lanes.map(|lane| {
                     let pass = TemporalPass { stem, lane, previous, before };
                     pass.replay(&replay, &self.reservoirs, &after)
@@ -229,13 +229,13 @@ impl<'a> Witness<'a> {
                 self.reservoirs = after;
             }
             "spatial" | "spatial_unbiased" => {
-                let before: Vec<_> = read(history, step, Role::ReservoirsIn)?;
-                let after: Vec<_> = read(history, step, Role::ReservoirsOut)?;
+                let before: Vec<_> = history.read_role(step, Role::ReservoirsIn)?;
+                let after: Vec<_> = history.read_role(step, Role::ReservoirsOut)?;
                 let iteration = step.constants.iteration;
                 reports.extend(lanes.map(|lane| replay.spatial(stem, iteration, lane, &before, &after)));
             }
             "shade" => {
-                let before: Vec<_> = read(history, step, Role::ReservoirsIn)?;
+                let before: Vec<_> = history.read_role(step, Role::ReservoirsIn)?;
                 self.shading = Some(replay.shade(&before, self.emission, self.radiance(history)?));
             }
             _ => {}
@@ -294,14 +294,5 @@ impl<'a> Witness<'a> {
             f0: surface.reflectance.f0.to_array(),
             roughness: surface.reflectance.roughness,
         }
-    }
-}
-
-/// The buffer behind `role` of a step.
-fn read<T: Pod>(history: &History, step: &Step, role: Role) -> Result<Vec<T>> {
-    let place = step.pass.uses.iter().position(|&(used, _)| used == role);
-    match place.and_then(|place| step.buffers.get(place)) {
-        Some(&buffer) => history.read(buffer),
-        None => Err(Error::Usage(format!("pass '{}' has no {role:?} to read", step.pass.stem))),
     }
 }

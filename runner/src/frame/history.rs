@@ -1,13 +1,14 @@
 //! A sequence of frames with its past: what one frame leaves for the next.
 
-use super::pass::BufferId;
+use super::pass::{BufferId, Role, Step};
 use super::schedule::Rotation;
 use super::targets::Targets;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::vulkan::{Buffer, Device};
 use bytemuck::Pod;
 use glam::{UVec2, Vec3};
 use shared::camera::Camera;
+use shared::stored_ray::StoredRay;
 
 /// Targets of one picture size, and which frame they hold. Frames of several histories may take turns on one recorder.
 pub struct History {
@@ -66,6 +67,11 @@ impl History {
         if self.targets.has_mean() { Ok(()) } else { self.targets.make_mean(device, self.size) }
     }
 
+    /// Rays for the passes of the floors, one a pixel; no frame may be in flight.
+    pub fn set_rays(&mut self, device: &Device, rays: &[StoredRay]) -> Result<()> {
+        self.targets.set_rays(device, rays)
+    }
+
     pub fn has_mean(&self) -> bool {
         self.targets.has_mean()
     }
@@ -95,6 +101,15 @@ impl History {
     /// Content of a target after the last frame, which must have run.
     pub fn read<T: Pod>(&self, target: BufferId) -> Result<Vec<T>> {
         self.target(target).read_vec()
+    }
+
+    /// Content of what `step`, which has run, found behind `role`.
+    pub fn read_role<T: Pod>(&self, step: &Step, role: Role) -> Result<Vec<T>> {
+        let place = step.pass.uses.iter().position(|&(used, _)| used == role);
+        match place.and_then(|place| step.buffers.get(place)) {
+            Some(&buffer) => self.read(buffer),
+            None => Err(Error::Usage(format!("pass '{}' has no {role:?} to read", step.pass.stem))),
+        }
     }
 
     /// Radiance of the last frame: nit, linear RGB, rows from the top.

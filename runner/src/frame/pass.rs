@@ -35,6 +35,9 @@ pub enum Role {
     Mean,
     Reference,
     Statistics,
+    /// Of the floors.
+    Rays,
+    Hits,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -82,6 +85,8 @@ pub enum BufferId {
     /// The mean of another history, which shows the reference.
     Reference,
     Statistics,
+    Rays,
+    Hits,
 }
 
 /// A pass at its place in a frame, with its buffers.
@@ -109,6 +114,8 @@ impl Role {
             Role::Mean => frame_binding::MEAN,
             Role::Reference => frame_binding::REFERENCE,
             Role::Statistics => frame_binding::STATISTICS,
+            Role::Rays => frame_binding::RAYS,
+            Role::Hits => frame_binding::HITS,
         }
     }
 }

@@ -3,11 +3,11 @@
 use super::pass::{Extent, Pass, Rays, Role, Stage};
 use crate::error::{Error, Result};
 use crate::gpu_scene::past;
-use crate::shader_library;
 use crate::vulkan::{
     Binding, ComputePipeline, Device, HitGroup, Interface, Pipeline, RayPipeline, RayPipelineDesc, SetLayout,
     Shader,
 };
+use crate::{parallel, shader_library, startup};
 use ash::vk;
 use glam::UVec2;
 use shared::frame::{Settings, features};
@@ -50,11 +50,17 @@ impl Pipelines {
         })
     }
 
-    /// Compiles the pipeline of `pass`, if that has not been done.
-    pub fn prepare(&mut self, pass: &'static Pass) -> Result<()> {
-        if !self.made.contains_key(pass.stem) {
-            let pipeline = self.compile(pass)?;
-            self.made.insert(pass.stem, pipeline);
+    /// Compiles the pipelines of `passes` that have not been compiled yet, on all processors.
+    pub fn prepare(&mut self, passes: impl Iterator<Item = &'static Pass>) -> Result<()> {
+        let mut new: Vec<&Pass> = passes.filter(|pass| !self.made.contains_key(pass.stem)).collect();
+        new.sort_by_key(|pass| pass.stem);
+        new.dedup();
+        if new.is_empty() {
+            return Ok(());
+        }
+        let compiled = startup::timed("pipelines", || parallel::map(&new, |pass| self.compile(pass)));
+        for (pass, pipeline) in new.into_iter().zip(compiled) {
+            self.made.insert(pass.stem, pipeline?);
         }
         Ok(())
     }
@@ -75,9 +81,8 @@ impl Pipelines {
             spec_constants: &spec_constants,
         };
         let code = Code::load(pass.stem)?;
-        let cache = vk::PipelineCache::null();
         let Stage::RayTracing(rays) = pass.stage else {
-            let pipeline = ComputePipeline::new(&self.device, cache, pass.stem, code.shader(), &interface)?;
+            let pipeline = ComputePipeline::new(&self.device, pass.stem, code.shader(), &interface)?;
             return Ok(PassPipeline::Compute(pipeline));
         };
         let misses = [Code::load("primary_miss")?, Code::load("shadow_miss")?];
@@ -91,7 +96,7 @@ impl Pipelines {
             hit_groups: &groups,
             interface,
         };
-        Ok(PassPipeline::Rays(Box::new(RayPipeline::new(&self.device, cache, &desc)?)))
+        Ok(PassPipeline::Rays(Box::new(RayPipeline::new(&self.device, &desc)?)))
     }
 }
 
@@ -182,7 +187,7 @@ impl PassPipeline {
 /// The layout of set 1: constants, then a buffer for each role.
 fn frame_layout(device: &Device) -> Result<SetLayout> {
     let stages = vk::ShaderStageFlags::RAYGEN_KHR | vk::ShaderStageFlags::COMPUTE;
-    const ROLES: [Role; 12] = [
+    const ROLES: [Role; 14] = [
         Role::GBuffer,
         Role::PreviousGBuffer,
         Role::ReservoirsIn,
@@ -195,6 +200,8 @@ fn frame_layout(device: &Device) -> Result<SetLayout> {
         Role::Mean,
         Role::Reference,
         Role::Statistics,
+        Role::Rays,
+        Role::Hits,
     ];
     let mut bindings =
         vec![Binding::one(frame_binding::CONSTANTS, vk::DescriptorType::UNIFORM_BUFFER, stages)];

@@ -183,9 +183,7 @@ impl Recorder {
             first_environment_light: self.scene.first_environment_light(),
         };
         let (steps, next) = schedule(&options.work, history.rotation, moved);
-        for step in &steps {
-            self.pipelines.prepare(step.pass)?;
-        }
+        self.pipelines.prepare(steps.iter().map(|step| step.pass))?;
         Ok(Plan { constants, steps, next, now })
     }
 
@@ -199,9 +197,7 @@ impl Recorder {
         timestamps: &mut Timestamps,
     ) -> Result<()> {
         let steps = looks(passes, history.rotation);
-        for step in &steps {
-            self.pipelines.prepare(step.pass)?;
-        }
+        self.pipelines.prepare(steps.iter().map(|step| step.pass))?;
         let settings = Settings::default();
         self.record_steps(cmd, Seen { history, reference }, &settings, &steps, timestamps)
     }

@@ -146,6 +146,8 @@ impl Frame {
             Role::Mean => BufferId::Mean,
             Role::Reference => BufferId::Reference,
             Role::Statistics => BufferId::Statistics,
+            Role::Rays => BufferId::Rays,
+            Role::Hits => BufferId::Hits,
         }
     }
 }

@@ -2,12 +2,13 @@
 
 use super::pass::BufferId;
 use crate::error::Result;
-use crate::vulkan::{Buffer, Device, Memory};
+use crate::vulkan::{Buffer, Device, Memory, Uploader};
 use ash::vk;
 use glam::{UVec2, Vec3};
 use shared::light::tile::{TILE_SIZE, TILES, TileEntry};
 use shared::reservoir::StoredReservoir;
 use shared::statistics::{BLOCK, BlockSums};
+use shared::stored_ray::StoredRay;
 use shared::surface::GBufferTexel;
 
 /// The targets of one picture size and reservoir count.
@@ -21,6 +22,9 @@ pub struct Targets {
     /// Of the viewer; tiny until they are asked for.
     mean: Buffer,
     statistics: Buffer,
+    /// Of the floors, and whether each hit; tiny until they are asked for.
+    rays: Buffer,
+    hits: Buffer,
 }
 
 impl Targets {
@@ -37,6 +41,8 @@ impl Targets {
         Ok(Targets {
             mean: storage(device, "mean", 0)?,
             statistics: storage(device, "statistics", 0)?,
+            rays: storage(device, "rays", 0)?,
+            hits: storage(device, "hits", 0)?,
             gbuffer: [gbuffer("G-buffer 0")?, gbuffer("G-buffer 1")?],
             reservoirs: [reservoir("reservoirs 0")?, reservoir("reservoirs 1")?, reservoir("reservoirs 2")?],
             radiance: make("radiance", size_of::<Vec3>(), 1)?,
@@ -54,6 +60,14 @@ impl Targets {
         Ok(())
     }
 
+    /// Puts `rays`, one a pixel, where the passes of the floors find them.
+    pub fn set_rays(&mut self, device: &Device, rays: &[StoredRay]) -> Result<()> {
+        self.hits = storage(device, "hits", 4 * rays.len() as u64)?;
+        let mut upload = Uploader::new(device);
+        self.rays = upload.buffer("rays", rays, vk::BufferUsageFlags::STORAGE_BUFFER)?;
+        upload.finish()
+    }
+
     pub fn has_mean(&self) -> bool {
         self.mean.size() > 0
     }
@@ -69,6 +83,8 @@ impl Targets {
             // Another history's mean stands in for the reference where there is one.
             BufferId::Mean | BufferId::Reference => &self.mean,
             BufferId::Statistics => &self.statistics,
+            BufferId::Rays => &self.rays,
+            BufferId::Hits => &self.hits,
         }
     }
 
@@ -80,7 +96,7 @@ impl Targets {
             .chain(&self.reservoirs)
             .chain([&self.radiance, &self.display])
             .chain(&self.tiles)
-            .chain([&self.mean, &self.statistics]);
+            .chain([&self.mean, &self.statistics, &self.rays, &self.hits]);
         all.map(Buffer::size).sum()
     }
 }

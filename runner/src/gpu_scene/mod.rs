@@ -7,6 +7,7 @@ pub mod past;
 use crate::error::Result;
 use crate::scene::lights::LightTable;
 use crate::scene::{Image as SceneImage, SceneDescription};
+use crate::startup;
 use crate::vulkan::acceleration::BUILD_INPUT;
 use crate::vulkan::{
     Binding, BlasGeometry, BlasSet, Buffer, DescriptorSet, Device, Image, SetLayout, Tlas, TlasInstance,
@@ -20,6 +21,7 @@ use shared::frame::features;
 use shared::interface::scene_binding;
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
+use std::time::Instant;
 
 /// The device's copy of a scene. Its handles stay valid as long as it lives.
 pub struct GpuScene {
@@ -42,8 +44,9 @@ pub struct GpuScene {
 impl GpuScene {
     /// Uploads `scene` and builds its acceleration structures.
     pub fn new(device: &Device, scene: &SceneDescription) -> Result<Self> {
-        let lights = LightTable::new(scene);
-        let arrays = SceneArrays::new(scene, &lights)?;
+        let lights = startup::timed("lights", || LightTable::new(scene));
+        let arrays = startup::timed("geometry", || SceneArrays::new(scene, &lights))?;
+        let start = Instant::now();
         let mut upload = Uploader::new(device);
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
         let positions = upload.buffer("positions", &arrays.positions, storage | BUILD_INPUT)?;
@@ -64,10 +67,12 @@ impl GpuScene {
         ]);
         let (textures, views) = upload_textures(device, &mut upload, scene)?;
         upload.finish()?;
+        startup::done("upload", start);
 
         let (positions, indices) = (&buffers[&scene_binding::POSITIONS], &buffers[&scene_binding::INDICES]);
-        let blas = BlasSet::build(device, &geometries(&arrays, positions, indices))?;
-        let tlas = Tlas::build(device, &blas, &tlas_instances(&arrays))?;
+        let geometries = geometries(&arrays, positions, indices);
+        let blas = startup::timed("BLAS", || BlasSet::build(device, &geometries))?;
+        let tlas = startup::timed("TLAS", || Tlas::build(device, &blas, &tlas_instances(&arrays)))?;
         let set = DescriptorSet::new(
             device,
             "scene",

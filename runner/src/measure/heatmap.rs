@@ -62,13 +62,17 @@ fn draw(size: UVec2, values: &[f32], scale: &Scale) -> (UVec2, Vec<u32>) {
 }
 
 impl Scale {
-    /// The color of `value`; beyond the ends, the ends'.
     fn color(&self, value: f32) -> u32 {
+        pack_rgba8(self.rgb(value))
+    }
+
+    /// The color of `value`, sRGB 0..=1; beyond the ends, the ends'.
+    pub fn rgb(&self, value: f32) -> Vec3 {
         let steps = (self.colors.len() - 1) as f32;
         let t = ((value - self.low) / (self.high - self.low)).clamp(0.0, 1.0) * steps;
         let i = (t as usize).min(self.colors.len() - 2);
         let [a, b] = [i, i + 1].map(|i| Vec3::from(self.colors[i].map(f32::from)));
-        pack_rgba8(a.lerp(b, t - i as f32) / 255.0)
+        a.lerp(b, t - i as f32) / 255.0
     }
 }
 

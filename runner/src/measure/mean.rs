@@ -1,6 +1,6 @@
 //! Mean of many pictures, in f64.
 
-use glam::{DVec3, UVec2, Vec3};
+use glam::{DVec3, DVec4, UVec2, Vec3};
 
 /// Running mean and variance of each pixel (Welford 1962).
 #[derive(Clone, Debug)]
@@ -28,6 +28,23 @@ impl Mean {
             *mean += before / f64::from(self.count);
             *squares += before.dot(LUMINANCE) * (x.as_dvec3() - *mean).dot(LUMINANCE);
         }
+    }
+
+    /// All of it, to go on from later.
+    pub fn to_bytes(&self) -> Vec<u8> {
+        let pixels = self.mean.iter().zip(&self.squares).map(|(mean, squares)| mean.extend(*squares));
+        let pixels: Vec<DVec4> = pixels.collect();
+        [&u64::from(self.count).to_ne_bytes()[..], bytemuck::cast_slice(&pixels)].concat()
+    }
+
+    /// What [`Mean::to_bytes`] gave, for pictures of `size`; none if it is anything else.
+    pub fn from_bytes(size: UVec2, bytes: &[u8]) -> Option<Self> {
+        let (count, pixels) = bytes.split_first_chunk()?;
+        let count = u32::try_from(u64::from_ne_bytes(*count)).ok()?;
+        let pixels: Vec<DVec4> =
+            pixels.chunks_exact(size_of::<DVec4>()).map(bytemuck::pod_read_unaligned).collect();
+        let (mean, squares) = pixels.iter().map(|p| (p.truncate(), p.w)).unzip();
+        (pixels.len() == size.element_product() as usize).then_some(Mean { count, mean, squares })
     }
 
     pub fn count(&self) -> u32 {
@@ -68,5 +85,22 @@ mod tests {
         let errors = mean.standard_errors();
         assert!((errors[0] - (5.0f64 / 3.0 / 4.0).sqrt()).abs() < 1e-12 && errors[1] == 0.0);
         assert!((mean.relative_standard_error() - errors[0] / 7.5).abs() < 1e-12);
+    }
+
+    /// A mean that is put aside and goes on is the mean of all.
+    #[test]
+    fn a_mean_goes_on_where_it_was() {
+        let size = UVec2::new(2, 1);
+        let picture = |x: f32| [Vec3::new(x, 2.0 * x, 0.1), Vec3::splat(x * x)];
+        let (mut whole, mut first) = (Mean::new(size), Mean::new(size));
+        (1..=3).map(|i| picture(i as f32)).for_each(|p| first.add(&p));
+        let mut second = Mean::from_bytes(size, &first.to_bytes()).unwrap();
+        (4..=7).map(|i| picture(i as f32)).for_each(|p| second.add(&p));
+        (1..=7).map(|i| picture(i as f32)).for_each(|p| whole.add(&p));
+        assert_eq!(whole.to_bytes(), second.to_bytes());
+        let bytes = first.to_bytes();
+        assert!(
+            Mean::from_bytes(UVec2::ONE, &bytes).is_none() && Mean::from_bytes(size, &bytes[1..]).is_none()
+        );
     }
 }

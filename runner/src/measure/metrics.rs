@@ -26,7 +26,8 @@ pub struct Metrics {
     pub mape: f64,
     /// Σ 2|x - y|/(x + y + δ) / n, 0..2.
     pub smape: f64,
-    /// Σ|x - y| / Σy: mean absolute error over the reference's mean, the relative MAE of Bitterli et al. 2020, section 6.
+    /// Σ|x - y| / Σy: mean absolute error over the reference's mean. Bitterli et al. 2020 report an R-MAE without defining it; this
+    /// is what statistics calls so.
     pub r_mae: f64,
     /// Mean LDR-FLIP, 0..1 ([`flip`]), both pictures under the exposure that shows the reference well; not always computed.
     #[serde(skip_serializing_if = "Option::is_none", default)]

@@ -1,6 +1,7 @@
 //! Numbers about pictures and frames.
 
 pub mod flip;
+pub mod floors;
 pub mod heatmap;
 pub mod mean;
 pub mod metrics;

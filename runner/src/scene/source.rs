@@ -3,6 +3,7 @@
 use super::lights::{is_lit, scatter};
 use super::{SceneDescription, SceneSource, atrium, environment, gltf, knot};
 use crate::error::Result;
+use crate::startup;
 use std::path::{Path, PathBuf};
 
 /// Seed of scattered lights: the same file and count give the same lights everywhere.
@@ -34,11 +35,11 @@ pub fn load(
     light_count: usize,
     environment: Option<&EnvironmentSource>,
 ) -> Result<SceneDescription> {
-    let mut scene = match source {
-        SceneSource::Atrium => atrium::atrium(light_count),
-        SceneSource::Knot => knot::knot(),
-        SceneSource::File(path) => gltf::load(path)?,
-    };
+    let mut scene = startup::timed("scene", || match source {
+        SceneSource::Atrium => Ok(atrium::atrium(light_count)),
+        SceneSource::Knot => Ok(knot::knot()),
+        SceneSource::File(path) => gltf::load(path),
+    })?;
     if let Some(source) = environment {
         let (map, warning) = environment::load(&source.path, source.scale)?;
         scene.environment = Some(map);

@@ -3,8 +3,10 @@
 use super::image::SamplerKey;
 use super::instance::{Instance, MessageLog};
 use super::physical::{self, DeviceInfo, PhysicalDevice};
+use super::pipeline_cache::PipelineCache;
 use super::{Check, c_string};
 use crate::error::{Error, Result};
+use crate::startup;
 use ash::{ext, khr, vk};
 use gpu_allocator::vulkan::{
     Allocation, AllocationCreateDesc, AllocationScheme, Allocator, AllocatorCreateDesc,
@@ -12,6 +14,7 @@ use gpu_allocator::vulkan::{
 use gpu_allocator::{AllocationError, MemoryLocation};
 use std::collections::HashMap;
 use std::ffi::CStr;
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -23,6 +26,10 @@ pub struct DeviceOptions {
     pub device: Option<String>,
     /// What a window's surface needs of the instance; if any, the device gets VK_KHR_swapchain.
     pub window_extensions: Vec<&'static CStr>,
+    /// Folder where compiled pipelines outlive the program; none: they don't.
+    pub pipeline_cache: Option<PathBuf>,
+    /// Pipelines can tell what the driver's compiler made of them, where it offers that.
+    pub pipeline_statistics: bool,
 }
 
 /// Limits that the renderer meets.
@@ -61,6 +68,7 @@ pub struct Device(Arc<Inner>);
 
 struct Inner {
     device: ash::Device,
+    pipelines: PipelineCache,
     physical: PhysicalDevice,
     limits: Limits,
     queue: Mutex<vk::Queue>,
@@ -68,6 +76,7 @@ struct Inner {
     ray_tracing: khr::ray_tracing_pipeline::Device,
     push_descriptor: khr::push_descriptor::Device,
     debug_utils: Option<ext::debug_utils::Device>,
+    executables: Option<khr::pipeline_executable_properties::Device>,
     /// `None` only while the device is being dropped.
     allocator: Option<Arc<Mutex<Allocator>>>,
     memory_used: AtomicU64,
@@ -85,14 +94,29 @@ impl std::ops::Deref for Device {
 impl Device {
     /// Errors: no loader, no device with ray tracing (with what each lacks), no such device, no validation layer.
     pub fn new(options: &DeviceOptions) -> Result<Device> {
+        startup::timed("device", || Device::create(options))
+    }
+
+    fn create(options: &DeviceOptions) -> Result<Device> {
         let instance = Instance::new(options.validate, &options.window_extensions)?;
         let mut extensions = physical::EXTENSIONS.to_vec();
         if !options.window_extensions.is_empty() {
             extensions.push(khr::swapchain::NAME);
         }
         let physical = physical::choose(&instance.handle, options.device.as_deref(), &extensions)?;
+        let wants_statistics = options.pipeline_statistics;
+        let has_statistics =
+            wants_statistics && physical::has_executables(&instance.handle, physical.handle)?;
+        if has_statistics {
+            extensions.push(khr::pipeline_executable_properties::NAME);
+        }
         let (device, anisotropy) = create(&instance.handle, &physical, &extensions)?;
         let limits = limits(&instance.handle, &physical, anisotropy);
+        // SAFETY: a device of this instance.
+        let properties = unsafe { instance.handle.get_physical_device_properties(physical.handle) };
+        let pipelines = PipelineCache::new(&device, options.pipeline_cache.as_deref(), &properties);
+        // SAFETY: nothing has been made from the device yet.
+        let pipelines = pipelines.inspect_err(|_| unsafe { device.destroy_device(None) })?;
         let allocator = Allocator::new(&AllocatorCreateDesc {
             instance: instance.handle.clone(),
             device: device.clone(),
@@ -102,8 +126,11 @@ impl Device {
             allocation_sizes: Default::default(),
         });
         let allocator = allocator.map_err(|e| {
-            // SAFETY: nothing has been made from the device yet.
-            unsafe { device.destroy_device(None) };
+            // SAFETY: nothing else has been made from the device yet.
+            unsafe {
+                device.destroy_pipeline_cache(pipelines.handle, None);
+                device.destroy_device(None);
+            }
             Error::Usage(format!("{}: can't manage its memory: {e}", physical.info.name))
         })?;
         // SAFETY: the device was created with one queue of this family.
@@ -114,6 +141,8 @@ impl Device {
             acceleration: khr::acceleration_structure::Device::new(&instance.handle, &device),
             ray_tracing: khr::ray_tracing_pipeline::Device::new(&instance.handle, &device),
             push_descriptor: khr::push_descriptor::Device::new(&instance.handle, &device),
+            executables: has_statistics
+                .then(|| khr::pipeline_executable_properties::Device::new(&instance.handle, &device)),
             debug_utils: instance
                 .has_debug_utils
                 .then(|| ext::debug_utils::Device::new(&instance.handle, &device)),
@@ -121,6 +150,7 @@ impl Device {
             memory_used: AtomicU64::new(0),
             samplers: Mutex::default(),
             device,
+            pipelines,
             physical,
             instance,
         })))
@@ -155,6 +185,11 @@ impl Device {
         self.0.queue.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
+    /// For all pipelines; several threads may use it.
+    pub fn pipeline_cache(&self) -> vk::PipelineCache {
+        self.0.pipelines.handle
+    }
+
     pub fn acceleration(&self) -> &khr::acceleration_structure::Device {
         &self.0.acceleration
     }
@@ -169,6 +204,24 @@ impl Device {
 
     pub fn debug_utils(&self) -> Option<&ext::debug_utils::Device> {
         self.0.debug_utils.as_ref()
+    }
+
+    /// If pipelines are made to tell about themselves.
+    pub(super) fn executables(&self) -> Option<&khr::pipeline_executable_properties::Device> {
+        self.0.executables.as_ref()
+    }
+
+    /// Can pipelines tell what the driver's compiler made of them?
+    pub fn has_pipeline_statistics(&self) -> bool {
+        self.executables().is_some()
+    }
+
+    /// How all pipelines are made.
+    pub(super) fn pipeline_flags(&self) -> vk::PipelineCreateFlags {
+        match self.has_pipeline_statistics() {
+            true => vk::PipelineCreateFlags::CAPTURE_STATISTICS_KHR,
+            false => vk::PipelineCreateFlags::empty(),
+        }
     }
 
     /// For libraries that allocate themselves (the GUI); they must let go of it before the device drops.
@@ -262,6 +315,7 @@ fn out_of_memory(what: &str, bytes: u64, location: MemoryLocation) -> Error {
 
 impl Drop for Inner {
     fn drop(&mut self) {
+        self.pipelines.save(&self.device);
         // SAFETY: all that was made from the device held a clone of it, so it is gone; memory goes before the device.
         unsafe {
             let _ = self.device.device_wait_idle();
@@ -269,6 +323,7 @@ impl Drop for Inner {
                 self.device.destroy_sampler(sampler, None);
             }
             self.allocator = None;
+            self.device.destroy_pipeline_cache(self.pipelines.handle, None);
             self.device.destroy_device(None);
         }
     }
@@ -294,13 +349,18 @@ fn create(
         .queue_family_index(physical.queue_family)
         .queue_priorities(&[1.0])];
     let names: Vec<_> = extensions.iter().map(|name| name.as_ptr()).collect();
-    let info = vk::DeviceCreateInfo::default()
+    let mut executables =
+        vk::PhysicalDevicePipelineExecutablePropertiesFeaturesKHR::default().pipeline_executable_info(true);
+    let mut info = vk::DeviceCreateInfo::default()
         .queue_create_infos(&queues)
         .enabled_extension_names(&names)
         .enabled_features(&optional)
         .push_next(&mut v12)
         .push_next(&mut acceleration)
         .push_next(&mut ray_tracing);
+    if extensions.contains(&khr::pipeline_executable_properties::NAME) {
+        info = info.push_next(&mut executables);
+    }
     // SAFETY: `choose` has seen that the device has these extensions and features.
     let device = unsafe { instance.create_device(physical.handle, &info, None) }
         .check(format_args!("create device '{}'", physical.info.name))?;

@@ -156,6 +156,17 @@ fn missing_extensions(
     Ok(wanted.iter().filter(|name| !has(name)).map(|name| name.to_string_lossy().into_owned()).collect())
 }
 
+/// Can its pipelines tell what they were compiled to?
+pub(super) fn has_executables(instance: &ash::Instance, handle: vk::PhysicalDevice) -> Result<bool> {
+    let extension = [khr::pipeline_executable_properties::NAME];
+    let mut executables = vk::PhysicalDevicePipelineExecutablePropertiesFeaturesKHR::default();
+    let mut features = vk::PhysicalDeviceFeatures2::default().push_next(&mut executables);
+    // SAFETY: a device of this instance, Vulkan 1.2; the structure of an absent extension is left as it is.
+    unsafe { instance.get_physical_device_features2(handle, &mut features) };
+    let feature = executables.pipeline_executable_info == vk::TRUE;
+    Ok(feature && missing_extensions(instance, handle, &extension)?.is_empty())
+}
+
 fn missing_features(instance: &ash::Instance, handle: vk::PhysicalDevice) -> Vec<&'static str> {
     let mut acceleration = vk::PhysicalDeviceAccelerationStructureFeaturesKHR::default();
     let mut ray_tracing = vk::PhysicalDeviceRayTracingPipelineFeaturesKHR::default();

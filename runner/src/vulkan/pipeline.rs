@@ -170,10 +170,8 @@ impl Drop for Modules<'_> {
 pub struct ComputePipeline(Pipeline);
 
 impl ComputePipeline {
-    /// `cache` may be null.
     pub fn new(
         device: &Device,
-        cache: vk::PipelineCache,
         name: &str,
         shader: Shader,
         interface: &Interface,
@@ -189,9 +187,12 @@ impl ComputePipeline {
             .module(modules.get(&shader)?)
             .name(shader.entry)
             .specialization_info(&constants);
-        let info = vk::ComputePipelineCreateInfo::default().stage(stage).layout(pipeline.layout);
+        let info = vk::ComputePipelineCreateInfo::default()
+            .flags(device.pipeline_flags())
+            .stage(stage)
+            .layout(pipeline.layout);
         // SAFETY: module and layout are alive; the shader's interface is the layout's.
-        let made = unsafe { device.create_compute_pipelines(cache, &[info], None) };
+        let made = unsafe { device.create_compute_pipelines(device.pipeline_cache(), &[info], None) };
         let made = made.map_err(|(_, result)| result).check(format_args!("create pipeline '{name}'"))?;
         pipeline.handle = made.first().copied().unwrap_or_default();
         device.set_name(pipeline.handle, name);

@@ -32,8 +32,7 @@ pub struct RayPipeline {
 }
 
 impl RayPipeline {
-    /// `cache` may be null.
-    pub fn new(device: &Device, cache: vk::PipelineCache, desc: &RayPipelineDesc) -> Result<RayPipeline> {
+    pub fn new(device: &Device, desc: &RayPipelineDesc) -> Result<RayPipeline> {
         use vk::ShaderStageFlags as Stage;
         let any_hit = desc.hit_groups.iter().any(|group| group.any_hit.is_some());
         let mut stages = Stage::RAYGEN_KHR | Stage::MISS_KHR | Stage::CLOSEST_HIT_KHR;
@@ -42,7 +41,7 @@ impl RayPipeline {
         }
         let point = vk::PipelineBindPoint::RAY_TRACING_KHR;
         let mut pipeline = Pipeline::without_handle(device, desc.name, point, stages, &desc.interface)?;
-        pipeline.handle = create(device, cache, desc, pipeline.layout())?;
+        pipeline.handle = create(device, desc, pipeline.layout())?;
         device.set_name(pipeline.handle, desc.name);
         let groups = 1 + desc.miss.len() + desc.hit_groups.len();
         let bytes = groups * device.limits().handle_size as usize;
@@ -112,12 +111,7 @@ impl<'a> Stages<'a> {
     }
 }
 
-fn create(
-    device: &Device,
-    cache: vk::PipelineCache,
-    desc: &RayPipelineDesc,
-    layout: vk::PipelineLayout,
-) -> Result<vk::Pipeline> {
+fn create(device: &Device, desc: &RayPipelineDesc, layout: vk::PipelineLayout) -> Result<vk::Pipeline> {
     use vk::ShaderStageFlags as Stage;
     let specialization = Specialization::new(desc.interface.spec_constants);
     let constants = specialization.info();
@@ -136,11 +130,12 @@ fn create(
         );
     }
     let info = vk::RayTracingPipelineCreateInfoKHR::default()
+        .flags(device.pipeline_flags())
         .stages(&stages.stages)
         .groups(&groups)
         .max_pipeline_ray_recursion_depth(1)
         .layout(layout);
-    let deferred = vk::DeferredOperationKHR::null();
+    let (deferred, cache) = (vk::DeferredOperationKHR::null(), device.pipeline_cache());
     // SAFETY: modules and layout are alive; the shaders' interface is the layout's.
     let made = unsafe { device.ray_tracing().create_ray_tracing_pipelines(deferred, cache, &[info], None) };
     let made = made.map_err(|(_, result)| result).check(format_args!("create pipeline '{}'", desc.name))?;

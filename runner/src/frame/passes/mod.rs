@@ -1,6 +1,9 @@
 //! Declarations of all passes, one file each, named as their shaders are.
 
 pub mod accumulate;
+pub mod floor_copy;
+pub mod floor_primary;
+pub mod floor_shadow;
 pub mod gbuffer;
 pub mod initial;
 pub mod initial_tiled;
@@ -20,9 +23,9 @@ pub mod view;
 use super::pass::Pass;
 
 /// All passes. A frame takes either the biased or the unbiased pair of reuse passes, the temporal one `_moving` where something
-/// moved; `reference` stands in for all from `initial` to `shade`. The last three are the viewer's: they follow where it asks
-/// for them.
-pub const ALL: [&Pass; 16] = [
+/// moved; `reference` stands in for all from `initial` to `shade`. Those after `tonemap` follow where somebody asks for them: three are
+/// the viewer's, three measure floors.
+pub const ALL: [&Pass; 19] = [
     &gbuffer::PASS,
     &initial::PASS,
     &presample::PASS,
@@ -39,4 +42,7 @@ pub const ALL: [&Pass; 16] = [
     &accumulate::PASS,
     &view::PASS,
     &statistics::PASS,
+    &floor_primary::PASS,
+    &floor_shadow::PASS,
+    &floor_copy::PASS,
 ];

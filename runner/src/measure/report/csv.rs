@@ -1,9 +1,8 @@
 //! points.csv: one line a row of the tables, every number.
 
 use super::passes;
-use crate::measure::statistics::Interval;
 use crate::measure::sweep::Results;
-use crate::measure::sweep::point::Measurement;
+use crate::measure::sweep::point::{Judged, Measurement};
 
 pub fn table(results: &Results) -> String {
     let passes = passes(results.rows.iter());
@@ -30,13 +29,18 @@ fn header(passes: &[String]) -> Vec<String> {
             .map(str::to_owned)
             .collect();
     names.extend(passes.iter().map(|p| format!("{p}_ms")));
-    for name in ["rel_mse", "rmse_nit", "r_mae", "mape", "smape", "energy_ratio", "bias_nit"] {
+    names.push("steady".into());
+    for name in INTERVALS {
         names.extend([name.to_owned(), format!("{name}_low"), format!("{name}_high")]);
     }
-    let rest = "flip lasting_error flicker temporal_correlation not_finite truth_error memory_bytes error";
-    names.extend(rest.split_whitespace().map(str::to_owned));
+    names.extend(REST.iter().chain(&["memory_bytes", "error"]).map(|name| (*name).to_owned()));
     names
 }
+
+/// Numbers with a confidence interval, and those without.
+const INTERVALS: [&str; 7] = ["rel_mse", "rmse_nit", "r_mae", "mape", "smape", "energy_ratio", "bias_nit"];
+const REST: [&str; 7] =
+    ["flip", "lasting_error", "flicker", "temporal_correlation", "not_finite", "truth_error", "truth_capped"];
 
 fn numbers(m: &Measurement, passes: &[String]) -> Vec<String> {
     let s = &m.settings;
@@ -64,16 +68,23 @@ fn numbers(m: &Measurement, passes: &[String]) -> Vec<String> {
     let ms =
         |pass: &String| m.passes.iter().find(|(name, _)| name == pass).map(|(_, t)| t.median.to_string());
     cells.extend(passes.iter().map(|pass| ms(pass).unwrap_or_default()));
-    let e = &m.error;
-    for Interval { mean, low, high } in [e.rel_mse, e.rmse, e.r_mae, e.mape, e.smape, e.energy_ratio, e.bias]
-    {
-        cells.extend([mean, low, high].map(|x| x.to_string()));
+    cells.push(m.settled.map_or(String::new(), |settled| settled.steady.to_string()));
+    match &m.judged {
+        Some(judged) => cells.extend(errors(judged)),
+        None => cells.extend(vec![String::new(); 3 * INTERVALS.len() + REST.len()]),
     }
-    cells.extend(
-        [e.flip, e.lasting_error, m.stability.flicker, m.stability.temporal_correlation]
-            .map(|x| x.to_string()),
-    );
-    cells.extend([e.not_finite.to_string(), m.truth.error.to_string(), m.memory.to_string()]);
+    cells.push(m.memory.to_string());
+    cells
+}
+
+fn errors(judged: &Judged) -> Vec<String> {
+    let (e, stability, truth) = (&judged.error, &judged.stability, &judged.truth);
+    let intervals = [e.rel_mse, e.rmse, e.r_mae, e.mape, e.smape, e.energy_ratio, e.bias];
+    let mut cells: Vec<String> =
+        intervals.iter().flat_map(|i| [i.mean, i.low, i.high].map(|x| x.to_string())).collect();
+    let single = [e.flip, e.lasting_error, stability.flicker, stability.temporal_correlation];
+    cells.extend(single.map(|x| x.to_string()));
+    cells.extend([e.not_finite.to_string(), truth.error.to_string(), truth.capped.to_string()]);
     cells
 }
 
@@ -89,8 +100,10 @@ mod tests {
     #[test]
     fn every_line_has_every_column() {
         let passes = ["a".to_owned(), "b".to_owned()];
-        let cells = numbers(&Measurement::default(), &passes).len();
-        assert_eq!(header(&passes).len(), 5 + cells + 1);
+        for judged in [None, Some(Judged::default())] {
+            let cells = numbers(&Measurement { judged, ..Measurement::default() }, &passes).len();
+            assert_eq!(header(&passes).len(), 5 + cells + 1);
+        }
         assert_eq!(quoted("a, \"b\""), "\"a, \"\"b\"\"\"");
     }
 }

@@ -3,6 +3,7 @@
 use super::plot::{Line, Point, escaped, log_log};
 use super::tables::{self, COLUMNS, Table};
 use super::{Group, significant, thousands, verdict};
+use crate::measure::heatmap;
 use crate::measure::sweep::{Results, Row};
 use std::collections::HashSet;
 use std::fmt::Write;
@@ -45,13 +46,16 @@ pub fn page(results: &Results) -> String {
 
 fn section(page: &mut String, results: &Results, group: &Group) {
     let _ = writeln!(page, "<h2>{}</h2>\n<p>{}</p>", escaped(&group.title()), escaped(&group.truth()));
+    if let Some(text) = group.unsettled() {
+        let _ = writeln!(page, "<p>{}</p>", escaped(&text));
+    }
     let sentences = verdict::sentences(results, group);
     if !sentences.is_empty() {
         let items: Vec<_> = sentences.iter().map(|s| format!("<li>{}</li>", escaped(s))).collect();
         let _ = writeln!(page, "<h3>Does reuse pay?</h3>\n<ul>{}</ul>", items.join("\n"));
     }
     page.push_str("<div class=\"plots\">");
-    for plot in [equal_time(group), Some(error_over_time(group))].into_iter().flatten() {
+    for plot in [equal_time(group), error_over_time(group)].into_iter().flatten() {
         let _ = writeln!(page, "<figure class=\"plot\">{plot}</figure>");
     }
     page.push_str("</div>\n");
@@ -80,7 +84,7 @@ fn write_table(page: &mut String, name: &str, table: &Table) {
 }
 
 /// Single frames: error over ms, the Pareto front through the best.
-fn error_over_time(group: &Group) -> String {
+fn error_over_time(group: &Group) -> Option<String> {
     let mut seen = HashSet::new();
     let lines: Vec<Line> = group
         .series()
@@ -90,12 +94,14 @@ fn error_over_time(group: &Group) -> String {
             Line { name: name.into(), points: fresh.filter_map(|r| frame_point(r)).collect(), joined: false }
         })
         .collect();
-    log_log("One frame: error over time, dashed: the Pareto front", "ms a frame", "relMSE", &lines, true)
+    let title = "One frame: error over time, dashed: the Pareto front";
+    let empty = lines.iter().all(|line| line.points.is_empty());
+    (!empty).then(|| log_log(title, "ms a frame", "relMSE", &lines, true))
 }
 
 fn frame_point(row: &Row) -> Option<Point> {
     let m = row.measured.as_ref()?;
-    let e = &m.error.rel_mse;
+    let e = &m.judged.as_ref()?.error.rel_mse;
     let title = format!("{}: {} ms, relMSE {}", row.label, significant(m.frame.median), significant(e.mean));
     Some(Point { x: m.frame.median, y: e.mean, bar: (e.low, e.high), title, label: row.label.clone() })
 }
@@ -103,8 +109,8 @@ fn frame_point(row: &Row) -> Option<Point> {
 /// Accumulated frames: error over ms, a line an arm.
 pub fn equal_time(group: &Group) -> Option<String> {
     let line = |row: &&Row| {
-        let m = row.measured.as_ref().filter(|m| !m.curve.is_empty())?;
-        let points = m.curve.iter().map(|p| {
+        let judged = row.measured.as_ref()?.judged.as_ref().filter(|j| !j.curve.is_empty())?;
+        let points = judged.curve.iter().map(|p| {
             let title = format!(
                 "{}: {} frames, {} ms, relMSE {}",
                 row.label,
@@ -153,11 +159,14 @@ pub fn over_lights(results: &Results) -> Vec<String> {
         };
         let times = lines(&|r| r.measured.as_ref().map(|m| (m.frame.median, (m.frame.median, m.frame.p95))));
         let errors = lines(&|r| {
-            r.measured.as_ref().map(|m| (m.error.rel_mse.mean, (m.error.rel_mse.low, m.error.rel_mse.high)))
+            let error = &r.measured.as_ref()?.judged.as_ref()?.error.rel_mse;
+            Some((error.mean, (error.low, error.high)))
         });
         let title = |what: &str| format!("{}: {what} over the number of lights", scene.name);
         plots.push(log_log(&title("time"), "lights", "ms a frame", &times, false));
-        plots.push(log_log(&title("error"), "lights", "relMSE of one frame", &errors, false));
+        if errors.iter().any(|line| !line.points.is_empty()) {
+            plots.push(log_log(&title("error"), "lights", "relMSE of one frame", &errors, false));
+        }
     }
     plots
 }
@@ -166,36 +175,49 @@ pub fn over_lights(results: &Results) -> Vec<String> {
 fn pictures(page: &mut String, group: &Group) {
     let mut seen = HashSet::new();
     let mut figures = String::new();
-    let mut add = |key: &str, picture: &str, caption: &str| {
-        if !picture.is_empty() && seen.insert(key.to_owned()) {
-            let _ = writeln!(
-                figures,
-                "<figure><div class=\"view\"><img alt=\"\" src=\"data:image/jpeg;base64,{picture}\"></div>\
-                 <figcaption>{}</figcaption></figure>",
-                escaped(caption)
-            );
+    let mut add = |key: &str, pictures: [&str; 2], caption: &str| {
+        if pictures[0].is_empty() || !seen.insert(key.to_owned()) {
+            return;
         }
+        figures.push_str("<figure>");
+        for jpeg in pictures.iter().filter(|jpeg| !jpeg.is_empty()) {
+            let image = format!("<img alt=\"\" src=\"data:image/jpeg;base64,{jpeg}\">");
+            let _ = write!(figures, "<div class=\"view\">{image}</div>");
+        }
+        let _ = writeln!(figures, "<figcaption>{}</figcaption></figure>", escaped(caption));
     };
     for row in &group.rows {
-        if let Some(m) = &row.measured {
-            add(&m.truth.key, &m.reference_picture, "truth");
-            let numbers =
-                format!("{} ms, relMSE {}", significant(m.frame.median), significant(m.error.rel_mse.mean));
-            let label = if row.label == row.series {
-                row.label.clone()
-            } else {
-                format!("{}: {}", row.series, row.label)
-            };
-            add(&m.key, &m.picture, &format!("{label} ({numbers})"));
-        }
+        let Some(m) = &row.measured else { continue };
+        let Some(judged) = &m.judged else { continue };
+        add(&judged.truth.key, [&m.reference_picture, ""], "truth");
+        let error = &judged.error;
+        let numbers = format!(
+            "{} ms, relMSE {}, FLIP {}",
+            significant(m.frame.median),
+            significant(error.rel_mse.mean),
+            significant(error.flip)
+        );
+        let label = match row.label == row.series {
+            true => row.label.clone(),
+            false => format!("{}: {}", row.series, row.label),
+        };
+        add(&m.key, [&m.picture, &m.error_map], &format!("{label} ({numbers})"));
     }
     if !figures.is_empty() {
         let _ = writeln!(
             page,
-            "<h3>Pictures</h3>\n<p class=\"note\">One frame each, the middle of the picture, one exposure for all. The wheel zooms, \
-             dragging moves, a double click resets: all pictures of the section together.</p>\n<div class=\"pictures\">{figures}</div>"
+            "<h3>Pictures</h3>\n<p class=\"note\">One frame each, the middle of the picture, one exposure for all; below it where it \
+             differs from the truth: FLIP, {} (0 to 1). The wheel zooms, dragging moves, a double click resets: all pictures of the \
+             section together.</p>\n<div class=\"pictures\">{figures}</div>",
+            legend()
         );
     }
+}
+
+/// The colors of error maps from 0 to 1.
+fn legend() -> String {
+    let colors: Vec<_> = heatmap::FLIP.colors.iter().map(|[r, g, b]| format!("rgb({r} {g} {b})")).collect();
+    format!("<span class=\"legend\" style=\"background:linear-gradient(90deg,{})\"></span>", colors.join(","))
 }
 
 const STYLE: &str = "
@@ -218,6 +240,7 @@ tr:hover td { background: #f6f8fa; }
 .pictures { display: grid; grid-template-columns: repeat(auto-fill, minmax(300px, 1fr)); gap: .8rem; }
 .pictures figure { margin: 0; } .view { overflow: hidden; border-radius: 4px; background: #111; cursor: grab; }
 .view img { display: block; width: 100%; transform-origin: 0 0; image-rendering: pixelated; user-select: none; }
+.view + .view { margin-top: 2px; } .legend { display: inline-block; width: 7em; height: .8em; vertical-align: middle; border-radius: 2px; }
 figcaption { font-size: .8rem; color: #555; padding-top: .2rem; }
 ";
 

@@ -81,6 +81,9 @@ fn blocks(results: &Results, stem: &str, folder: &str) -> (String, Vec<Picture>)
     }
     for group in Group::all(results) {
         let _ = write!(text, "\n**{}.** {}\n", group.title(), group.truth());
+        if let Some(unsettled) = group.unsettled() {
+            let _ = write!(text, "\n{unsettled}\n");
+        }
         if let Some(svg) = html::equal_time(&group) {
             plot(&mut text, "Error over time", svg);
         }
@@ -108,7 +111,8 @@ fn blocks(results: &Results, stem: &str, folder: &str) -> (String, Vec<Picture>)
     (text, pictures)
 }
 
-fn write_table(text: &mut String, table: &Table) {
+/// `table` as Markdown.
+pub fn write_table(text: &mut String, table: &Table) {
     text.push('\n');
     for (i, row) in table.iter().enumerate() {
         let _ = writeln!(

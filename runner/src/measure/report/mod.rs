@@ -4,12 +4,14 @@ mod csv;
 mod html;
 pub mod markdown;
 mod plot;
-mod tables;
+pub mod tables;
 pub mod verdict;
 
 use crate::error::{Error, Result};
 use crate::image_io;
+use crate::measure::sweep::point::Judged;
 use crate::measure::sweep::store::to_json;
+use crate::measure::sweep::truth::Method;
 use crate::measure::sweep::{Results, Row};
 use std::path::Path;
 
@@ -19,6 +21,7 @@ pub fn write(directory: &Path, results: &Results) -> Result<()> {
     for measured in bare.rows.iter_mut().filter_map(|row| row.measured.as_mut()) {
         measured.picture.clear();
         measured.reference_picture.clear();
+        measured.error_map.clear();
     }
     image_io::replace(&directory.join("points.json"), &to_json(&bare)?)?;
     image_io::replace(&directory.join("points.csv"), csv::table(&bare).as_bytes())?;
@@ -76,41 +79,48 @@ impl<'a> Group<'a> {
 
     /// One sentence about the truth of this group.
     fn truth(&self) -> String {
-        use crate::measure::sweep::truth::Method;
-        let Some(measured) = self.rows.iter().find_map(|r| r.measured.as_ref()) else {
-            return "Nothing was measured.".into();
+        let judged = self.rows.iter().filter_map(|r| r.measured.as_ref()?.judged.as_ref());
+        let part = |j: &Judged| j.truth.error / j.smallest_error();
+        // Truths get better from point to point; what counts is the point that has the worst one for what it shows.
+        let Some(worst) = judged.max_by(|a, b| part(a).total_cmp(&part(b))) else {
+            let some = self.rows.iter().any(|r| r.measured.is_some());
+            return if some { "Times alone." } else { "Nothing was measured." }.into();
         };
-        let truth = &measured.truth;
+        let truth = &worst.truth;
+        let samples = thousands(truth.samples as usize);
         let how = match truth.method {
             Method::SumOverLights if truth.error == 0.0 => "the sum over all lights, exact".into(),
-            Method::SumOverLights => {
-                format!("the mean of {} sums over all lights", thousands(truth.samples as usize))
-            }
-            Method::IndependentFrames => {
-                format!("the mean of {} independent frames without reuse", thousands(truth.samples as usize))
-            }
+            Method::SumOverLights => format!("the mean of {samples} sums over all lights"),
+            Method::IndependentFrames => format!("the mean of {samples} independent frames without reuse"),
         };
         if truth.error == 0.0 {
             return format!("Truth: {how}.");
         }
-        let smallest = self.smallest_error();
-        let part = truth.error / smallest;
-        let verdict = if part <= 0.1 { "a tenth or less" } else { "more than a tenth" };
-        let limit = if part <= 0.1 { "" } else { ": errors near it are upper bounds" };
+        let (verdict, limit) = match (part(worst) <= 0.1, truth.capped) {
+            (true, _) => ("a tenth or less", ""),
+            (false, false) => ("more than a tenth", ": errors near it are upper bounds"),
+            (false, true) => (
+                "more than a tenth",
+                ": the plan allows no more samples, and errors near it are upper bounds",
+            ),
+        };
         format!(
             "Truth: {how}; its own √relMSE is {}, {verdict} ({:.0} %) of the smallest one shown{limit}.",
             significant(truth.error),
-            100.0 * part
+            100.0 * part(worst)
         )
     }
 
-    /// √relMSE
-    fn smallest_error(&self) -> f64 {
-        let measured = self.rows.iter().filter_map(|r| r.measured.as_ref());
-        let errors = measured.flat_map(|m| {
-            m.curve.iter().map(|p| p.rel_mse.mean).chain([m.error.rel_mse.mean]).map(f64::sqrt)
-        });
-        errors.filter(|e| *e > 0.0).fold(f64::INFINITY, f64::min)
+    /// Which points were timed although their frames had not settled; none if all had.
+    fn unsettled(&self) -> Option<String> {
+        let unsettled =
+            |r: &&&Row| r.measured.as_ref().and_then(|m| m.settled).is_some_and(|settled| !settled.steady);
+        let name = |r: &&Row| format!("{}, {}", r.series, r.label);
+        let names: Vec<_> = self.rows.iter().filter(unsettled).map(name).collect();
+        let all = names.len() == self.rows.len();
+        let which = if all { "all points".to_owned() } else { names.join("; ") };
+        (!names.is_empty())
+            .then(|| format!("Timed before their frames stood still, the longest wait being over: {which}."))
     }
 }
 

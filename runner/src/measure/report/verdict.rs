@@ -36,7 +36,7 @@ pub(super) struct Arm<'a> {
 /// Arms with curves, in their order.
 pub(super) fn arms<'a>(group: &Group<'a>, targets: &[f64]) -> Vec<Arm<'a>> {
     let arm = |row: &'a Row| {
-        let curve = &row.measured.as_ref()?.curve;
+        let curve = &row.measured.as_ref()?.judged.as_ref()?.curve;
         let times = targets.iter().map(|&t| time_to(curve, t)).collect();
         (!curve.is_empty()).then_some(Arm { row, times })
     };

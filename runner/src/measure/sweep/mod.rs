@@ -1,8 +1,10 @@
 //! Sweeps: every point of a plan measured, whatever happens to single ones, and nothing measured twice.
 
 pub mod about;
+pub mod pictures;
 pub mod plan;
 pub mod point;
+pub mod steady;
 pub mod store;
 pub mod truth;
 
@@ -10,6 +12,7 @@ use crate::cli::view;
 use crate::error::{Error, Result};
 use crate::frame::renderer::Renderer;
 use crate::gpu_scene::GpuScene;
+use crate::measure::mean::Mean;
 use crate::scene::{self, SceneDescription, SceneSource};
 use crate::vulkan::{Device, DeviceOptions};
 use about::About;
@@ -24,7 +27,7 @@ use store::Store;
 use truth::{Lighting, Truth};
 
 /// Changes with every change of what a number means: older results are then measured again.
-const METHOD: u32 = 1;
+const METHOD: u32 = 2;
 
 /// What a sweep leaves behind.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -35,7 +38,7 @@ pub struct Results {
 }
 
 /// A row of a table.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Row {
     pub scene: String,
     pub lights: usize,
@@ -129,11 +132,12 @@ impl Sweep<'_> {
         let camera = view::shared_camera(&view, plan.size());
         let place =
             (METHOD, &about.device, &about.shaders, &bench.scene_key, bytemuck::bytes_of(&camera), plan.size);
-        let runs = (plan.warm_up, plan.frames, plan.replicas, plan.seed);
+        let runs = (plan.warm_up, plan.frames, plan.replicas, plan.seed, plan.steady);
         let accumulate = plan.accumulate.as_ref().map(|a| (a.ms, a.frames));
-        let truth_key = store::key(&(&place, &plan.truth))?;
-        let key = store::key(&(&place, &truth_key, &spec.settings, runs, accumulate))?;
-        if let Some(known) = self.store.point(&key) {
+        // A truth that must be better goes on from what there is: only its method makes it another.
+        let truth_key = store::key(&(&place, plan.truth.max_rays))?;
+        let key = store::key(&(&place, &plan.truth, &spec.settings, runs, accumulate))?;
+        if let Some(known) = self.store.point(&key).filter(|_| !plan.times_only) {
             self.bar.inc(point::frames_of(plan));
             return Ok(known);
         }
@@ -160,7 +164,9 @@ impl Sweep<'_> {
             replicas: plan.replicas,
             ..outcome?
         };
-        self.store.save_point(&key, &measured)?;
+        if !plan.times_only {
+            self.store.save_point(&key, &measured)?;
+        }
         Ok(measured)
     }
 
@@ -183,21 +189,55 @@ impl Sweep<'_> {
                 none.insert(Renderer::new(device, scene, plan.size(), bench.reservoirs)?)
             }
         };
-        let truth = self.truth(renderer, &bench.scene, camera, truth_key)?;
-        let measured = point::measure(renderer, camera, plan, &spec.settings, &truth, || self.bar.inc(1))?;
+        let measured = if plan.times_only {
+            point::measure(renderer, camera, plan, &spec.settings, None, || self.bar.inc(1))?
+        } else {
+            self.judged(renderer, &bench.scene, camera, spec, truth_key)?
+        };
         let light_count = renderer.scene().light_count();
         let memory = renderer.scene().bytes() + renderer.target_bytes();
         Ok(Measurement { light_count, memory, ..measured })
     }
 
+    /// Measured, and again with a better truth for as long as the truth's own error is no small part of the point's smallest.
+    fn judged(
+        &self,
+        renderer: &mut Renderer,
+        scene: &SceneDescription,
+        camera: Camera,
+        spec: &PointSpec,
+        truth_key: &str,
+    ) -> Result<Measurement> {
+        let plan = &self.plan.truth;
+        let mut wanted = plan.error;
+        loop {
+            let truth = self.truth(renderer, scene, camera, truth_key, wanted)?;
+            let settings = &spec.settings;
+            let mut measured =
+                point::measure(renderer, camera, self.plan, settings, Some(&truth), || self.bar.inc(1))?;
+            let Some(judged) = &mut measured.judged else { return Ok(measured) };
+            let enough = plan.part * judged.smallest_error();
+            judged.truth.capped = truth.about.error > enough && truth.about.samples >= plan.max_samples;
+            if truth.about.error <= enough || judged.truth.capped {
+                return Ok(measured);
+            }
+            // A better truth makes the point's error a little smaller too.
+            wanted = 0.95 * enough;
+        }
+    }
+
+    /// With an error of at most `wanted`, or with all samples that the plan allows.
     fn truth(
         &self,
         renderer: &mut Renderer,
         scene: &SceneDescription,
         camera: Camera,
         key: &str,
+        wanted: f64,
     ) -> Result<Truth> {
-        if let Some(known) = self.store.truth(key) {
+        let plan = &self.plan.truth;
+        let good = |t: &Truth| t.about.error <= wanted || t.about.samples >= plan.max_samples;
+        if let Some(known) = self.store.truth(key).filter(good) {
             return Ok(known);
         }
         let punctual = scene.point_lights.len() + scene.spot_lights.len() + scene.directional_lights.len();
@@ -208,10 +248,13 @@ impl Sweep<'_> {
             features: renderer.scene().features(),
         };
         self.bar.set_message("reference");
-        let truth =
-            truth::converge(renderer, camera, &lighting, &self.plan.truth, key.into(), || self.bar.tick())?;
+        let size = renderer.size();
+        let mut mean = self.store.truth_state(key, size).unwrap_or_else(|| Mean::new(size));
+        let mut truth =
+            truth::converge(renderer, camera, &lighting, plan, wanted, &mut mean, || self.bar.tick())?;
+        truth.about.key = key.into();
         self.bar.set_message("measuring");
-        self.store.save_truth(key, &truth)?;
+        self.store.save_truth(key, &truth, &mean)?;
         Ok(truth)
     }
 
@@ -235,7 +278,10 @@ impl Sweep<'_> {
     /// One line for each finished point, on standard output.
     fn report(&self, row: &Row, number: usize) {
         let what = match (&row.measured, &row.error) {
-            (Some(m), _) => format!("{:.3} ms, relMSE {:.4}", m.frame.median, m.error.rel_mse.mean),
+            (Some(m), _) => {
+                let error = m.judged.as_ref().map(|j| format!(", relMSE {:.4}", j.error.rel_mse.mean));
+                format!("{:.3} ms{}", m.frame.median, error.unwrap_or_default())
+            }
             (None, error) => format!("FAILED: {}", error.as_deref().unwrap_or_default()),
         };
         let Row { scene, lights, series, label, .. } = row;

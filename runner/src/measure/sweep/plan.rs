@@ -1,5 +1,6 @@
 //! What to measure: a TOML document, expanded to points. Its syntax is docs/measuring.md.
 
+use super::steady::SteadyPlan;
 use crate::error::{Error, Result};
 use crate::settings_file::SettingsFile;
 use glam::UVec2;
@@ -8,7 +9,8 @@ use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 
 /// The plans that are part of the program.
-pub const BUILT_IN: [(&str, &str); 4] = [
+pub const BUILT_IN: [(&str, &str); 5] = [
+    ("bench", include_str!("../../../../assets/plans/bench.toml")),
     ("thesis", include_str!("../../../../assets/plans/thesis.toml")),
     ("lights", include_str!("../../../../assets/plans/lights.toml")),
     ("modes", include_str!("../../../../assets/plans/modes.toml")),
@@ -21,7 +23,13 @@ pub struct Plan {
     pub title: String,
     /// Width and height, pixels.
     pub size: [u32; 2],
-    /// Frames before the timed ones: pipelines, caches and histories fill.
+    /// Times alone: no truth, no errors, no pictures. Such points are measured anew by each sweep.
+    #[serde(default)]
+    pub times_only: bool,
+    /// Load before each run, until the time of a frame stands still.
+    #[serde(default)]
+    pub steady: SteadyPlan,
+    /// Frames of a run before the timed ones: histories fill.
     #[serde(default = "default_warm_up")]
     pub warm_up: u32,
     /// Timed frames of a run; the last one is judged.
@@ -100,8 +108,10 @@ pub struct Accumulate {
 pub struct TruthPlan {
     /// The sum over all lights, if it needs at most so many rays; else a mean of independent frames.
     pub max_rays: f64,
-    /// Wanted standard error, as √relMSE of the truth.
+    /// Standard error to begin with, as √relMSE of the truth.
     pub error: f64,
+    /// Wanted standard error, as a part of the smallest error that is judged by it: the truth goes on until it is there.
+    pub part: f64,
     /// Frames, or sums, to stop at.
     pub max_samples: u32,
 }
@@ -127,7 +137,7 @@ fn default_targets() -> Vec<f64> {
 
 impl Default for TruthPlan {
     fn default() -> Self {
-        TruthPlan { max_rays: 4e9, error: 0.01, max_samples: 4096 }
+        TruthPlan { max_rays: 4e9, error: 0.01, part: 0.1, max_samples: 4096 }
     }
 }
 
@@ -175,6 +185,13 @@ impl Plan {
         }
         if self.frames < 2 || self.replicas < 1 {
             return Err("frames: at least 2; replicas: at least 1".into());
+        }
+        self.steady.check()?;
+        if self.times_only && self.accumulate.is_some() {
+            return Err("times_only: there is nothing to accumulate without errors".into());
+        }
+        if self.truth.part.is_nan() || self.truth.part <= 0.0 || self.truth.max_samples == 0 {
+            return Err("truth: part and max_samples are above 0".into());
         }
         let names: Vec<_> = self.scenes.iter().map(|s| s.name.as_str()).collect();
         for series in &self.series {
@@ -343,6 +360,9 @@ mod tests {
             ("size = [8, 8]", "size = [8, 0]", "size"),
             ("size = [8, 8]", "size = [8, ", "line 4"),
             ("size = [8, 8]", "size = [8, 8]\naccumulate = { ms = 0 }", "above 0"),
+            ("size = [8, 8]", "size = [8, 8]\ntruth = { part = 0.0 }", "above 0"),
+            ("size = [8, 8]", "size = [8, 8]\nsteady = { within = 0.0 }", "within"),
+            ("size = [8, 8]", "size = [8, 8]\ntimes_only = true\naccumulate = { ms = 1 }", "times_only"),
         ] {
             assert!(SMALL.contains(from), "{from}");
             let error = parse(&SMALL.replacen(from, to, 1)).unwrap_err();

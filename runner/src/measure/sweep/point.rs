@@ -1,9 +1,10 @@
 //! One point of a sweep: its times, its errors, what accumulation makes of it.
 
+use super::pictures;
 use super::plan::Plan;
+use super::steady::{Settled, Watch};
 use super::truth::{AboutTruth, Truth};
 use crate::error::Result;
-use crate::exposure;
 use crate::frame::renderer::{FrameOptions, Renderer, StepTimes};
 use crate::frame::schedule::Work;
 use crate::measure::mean::Mean;
@@ -11,7 +12,7 @@ use crate::measure::metrics::{self, Metrics, Stability};
 use crate::measure::statistics::{Interval, Times};
 use crate::measure::times::PassTimes;
 use crate::settings_file::SettingsFile;
-use glam::{UVec2, Vec3};
+use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use shared::camera::Camera;
 use shared::math::luminance;
@@ -33,16 +34,16 @@ pub struct Measurement {
     pub replicas: u32,
     /// What the times are read from.
     pub clock: Clock,
+    /// How the waits before the runs ended; the worst of them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub settled: Option<Settled>,
     /// ms of each pass, in frame order.
     pub passes: Vec<(String, Times)>,
     /// ms of whole frames.
     pub frame: Times,
-    /// Of the last frame, over the runs.
-    pub error: Errors,
-    pub stability: Stability,
-    /// Means of the first frames of a history.
-    pub curve: Vec<CurvePoint>,
-    pub truth: AboutTruth,
+    /// None where times alone were asked for.
+    #[serde(flatten)]
+    pub judged: Option<Judged>,
     /// Device memory of scene and targets, bytes.
     pub memory: u64,
     /// A part of the last frame of the first run, as a JPEG in Base64.
@@ -51,6 +52,20 @@ pub struct Measurement {
     /// The same part of the truth.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub reference_picture: String,
+    /// FLIP over that part, at half its size.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub error_map: String,
+}
+
+/// What is known of a point's errors.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct Judged {
+    /// Of the last frame, over the runs.
+    pub error: Errors,
+    pub stability: Stability,
+    /// Means of the first frames of a history.
+    pub curve: Vec<CurvePoint>,
+    pub truth: AboutTruth,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -84,15 +99,12 @@ pub struct Errors {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct CurvePoint {
     pub frames: u32,
-    /// All passes of all of these frames, mean over the runs.
+    /// All passes of all of these frames, as the timed runs had them: nothing is read back between those.
     pub ms: f64,
     pub rel_mse: Interval,
     pub r_mae: Interval,
     pub energy_ratio: Interval,
 }
-
-/// Largest part of a picture that reports show, pixels.
-const SHOWN: UVec2 = UVec2::new(640, 360);
 
 /// Frames that [`measure`] renders, about.
 pub fn frames_of(plan: &Plan) -> u64 {
@@ -100,41 +112,93 @@ pub fn frames_of(plan: &Plan) -> u64 {
     u64::from(plan.replicas) * u64::from(plan.warm_up + plan.frames + accumulated)
 }
 
-/// Fills times, errors, stability, curve and picture. `tick` is called after each frame.
+/// Fills times and, with a `truth`, errors, stability, curve and pictures. `tick` is called after each frame.
 pub fn measure(
     renderer: &mut Renderer,
     camera: Camera,
     plan: &Plan,
     settings: &SettingsFile,
-    truth: &Truth,
+    truth: Option<&Truth>,
     mut tick: impl FnMut(),
 ) -> Result<Measurement> {
     let lights = renderer.scene().light_count();
     let mut run = Run { renderer, camera, work: Work::Restir(settings.settings(lights)), clock: Clock::Gpu };
-    let mut point =
-        Measurement { settings: settings.clone(), truth: truth.about.clone(), ..Measurement::default() };
-    let mut times = PassTimes::default();
-    let (mut all, mut pairs, mut mean) = (Vec::new(), Vec::new(), Mean::new(truth.size));
+    let mut point = Measurement { settings: settings.clone(), ..Measurement::default() };
+    let mut times = Timed::default();
+    let mut frames = Vec::new();
     for replica in 0..plan.replicas {
-        let last = run.history(plan, replica, &mut times, &mut tick)?;
-        let judged = if replica == 0 {
-            point.picture = encode_part(&last[1], truth)?;
-            point.reference_picture = encode_part(&truth.radiance, truth)?;
-            metrics::with_flip(&last[1], &truth.radiance, truth.size).0
-        } else {
-            metrics::metrics(&last[1], &truth.radiance)
-        };
-        all.push(judged);
-        mean.add(&last[1]);
-        pairs.push(last.map(|frame| frame.iter().map(|&c| luminance(c)).collect::<Vec<f32>>()));
+        let settled = run.settle(plan)?;
+        point.settled = Some(point.settled.map_or(settled, |before| before.worst(settled)));
+        frames.extend(run.history(plan, replica, &mut times, truth.is_some(), &mut tick)?);
     }
-    point.error = errors(&all, &mean, &truth.radiance);
-    point.stability = metrics::stability(&pairs);
-    point.passes = times.passes().into_iter().map(|(stem, t)| (stem.to_owned(), t)).collect();
-    point.frame = times.frames();
-    point.curve = run.curve(plan, truth, &mut tick)?;
+    point.passes = times.passes.passes().into_iter().map(|(stem, t)| (stem.to_owned(), t)).collect();
+    point.frame = times.passes.frames();
+    if let Some(truth) = truth {
+        let mut judged = point.judge(&frames, truth)?;
+        drop(frames);
+        judged.curve = run.curve(plan, truth, &times.costs(plan), &mut tick)?;
+        point.judged = Some(judged);
+    }
     point.clock = run.clock;
     Ok(point)
+}
+
+impl Measurement {
+    /// Errors of the last two frames of each run; fills the pictures.
+    fn judge(&mut self, runs: &[[Vec<Vec3>; 2]], truth: &Truth) -> Result<Judged> {
+        let (mut all, mut mean) = (Vec::new(), Mean::new(truth.size));
+        for [_, last] in runs {
+            all.push(metrics::metrics(last, &truth.radiance));
+            mean.add(last);
+        }
+        if let (Some([_, last]), Some(first)) = (runs.first(), all.first_mut()) {
+            let (with_flip, map) = metrics::with_flip(last, &truth.radiance, truth.size);
+            *first = with_flip;
+            self.picture = pictures::part(last, truth)?;
+            self.reference_picture = pictures::part(&truth.radiance, truth)?;
+            self.error_map = pictures::error_map(&map, truth.size)?;
+        }
+        let grey = |frame: &Vec<Vec3>| frame.iter().map(|&c| luminance(c)).collect::<Vec<f32>>();
+        let pairs: Vec<_> = runs.iter().map(|run| run.each_ref().map(grey)).collect();
+        Ok(Judged {
+            error: errors(&all, &mean, &truth.radiance),
+            stability: metrics::stability(&pairs),
+            curve: Vec::new(),
+            truth: truth.about.clone(),
+        })
+    }
+}
+
+impl Judged {
+    /// √relMSE of the best picture that is judged; infinite if all are without error.
+    pub fn smallest_error(&self) -> f64 {
+        let errors =
+            self.curve.iter().map(|p| p.rel_mse.mean).chain([self.error.rel_mse.mean]).map(f64::sqrt);
+        errors.filter(|e| *e > 0.0).fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// ms of passes, and of each frame of a run.
+#[derive(Default)]
+struct Timed {
+    passes: PassTimes,
+    /// By the frame's number in its run, one value a run; nothing is read back before these frames.
+    by_number: Vec<Vec<f64>>,
+}
+
+impl Timed {
+    /// ms of the first n frames of a history, for n = 1, 2, ..: up to the plan's time. Frames beyond the timed runs take the median.
+    fn costs(&self, plan: &Plan) -> Vec<f64> {
+        let Some(accumulate) = &plan.accumulate else { return Vec::new() };
+        let (mut total, later) = (0.0, self.passes.frames().median);
+        let mut costs = Vec::new();
+        while costs.len() < accumulate.frames as usize && total < accumulate.ms {
+            let known = self.by_number.get(costs.len());
+            total += known.map_or(later, |runs| runs.iter().sum::<f64>() / runs.len() as f64);
+            costs.push(total);
+        }
+        costs
+    }
 }
 
 /// A renderer set on one camera and one work.
@@ -158,50 +222,70 @@ impl Run<'_> {
         Ok((steps, ms))
     }
 
-    /// A fresh history; gives its last two frames.
+    /// Renders until the time of a frame stands still.
+    fn settle(&mut self, plan: &Plan) -> Result<Settled> {
+        let (start, mut watch) = (Instant::now(), Watch::new(plan.steady));
+        loop {
+            let (_, ms) = self.frame(plan.seed)?;
+            if let Some(settled) = watch.add(ms, start.elapsed().as_secs_f64() * 1e3) {
+                return Ok(settled);
+            }
+        }
+    }
+
+    /// A fresh history; gives its last two frames if they are `read`.
     fn history(
         &mut self,
         plan: &Plan,
         replica: u32,
-        times: &mut PassTimes,
+        times: &mut Timed,
+        read: bool,
         tick: &mut impl FnMut(),
-    ) -> Result<[Vec<Vec3>; 2]> {
+    ) -> Result<Option<[Vec<Vec3>; 2]>> {
         self.renderer.restart();
         let mut before = Vec::new();
         let count = plan.warm_up + plan.frames;
+        times.by_number.resize(count as usize - 1, Vec::new());
         for frame in 0..count {
-            let (steps, _) = self.frame(plan.seed + 1 + replica)?;
-            if frame >= plan.warm_up {
-                times.add(Some(steps));
+            let (steps, ms) = self.frame(plan.seed + 1 + replica)?;
+            if let Some(runs) = times.by_number.get_mut(frame as usize) {
+                runs.push(ms);
             }
-            if frame + 2 == count {
+            if frame >= plan.warm_up {
+                times.passes.add(Some(steps));
+            }
+            if read && frame + 2 == count {
                 before = self.renderer.radiance()?;
             }
             tick();
         }
-        Ok([before, self.renderer.radiance()?])
+        read.then(|| Ok([before, self.renderer.radiance()?])).transpose()
     }
 
-    /// Errors of means of frames from fresh histories, at frame counts a factor of √2 apart.
-    fn curve(&mut self, plan: &Plan, truth: &Truth, tick: &mut impl FnMut()) -> Result<Vec<CurvePoint>> {
-        let Some(accumulate) = &plan.accumulate else { return Ok(Vec::new()) };
-        let mut runs: Vec<Vec<(u32, f64, Metrics)>> = Vec::new();
+    /// Errors of means of frames from fresh histories, at frame counts a factor of √2 apart. `costs`: ms of the first frames.
+    fn curve(
+        &mut self,
+        plan: &Plan,
+        truth: &Truth,
+        costs: &[f64],
+        tick: &mut impl FnMut(),
+    ) -> Result<Vec<CurvePoint>> {
+        let mut checkpoints: Vec<(u32, Vec<Metrics>)> = Vec::new();
         for replica in 0..plan.replicas {
-            let mut checkpoints = Vec::new();
             self.renderer.restart();
-            let (mut mean, mut ms) = (Mean::new(truth.size), 0.0);
-            while mean.count() < accumulate.frames && ms < accumulate.ms {
-                ms += self.frame(plan.seed + 1 + replica)?.1;
+            let (mut mean, mut next) = (Mean::new(truth.size), 0);
+            for _ in costs {
+                self.frame(plan.seed + 1 + replica)?;
                 mean.add(&self.renderer.radiance()?);
                 if is_checkpoint(mean.count()) {
-                    let judged = metrics::metrics(&mean.radiance(), &truth.radiance);
-                    checkpoints.push((mean.count(), ms, judged));
+                    checkpoints.resize(checkpoints.len().max(next + 1), (mean.count(), Vec::new()));
+                    checkpoints[next].1.push(metrics::metrics(&mean.radiance(), &truth.radiance));
+                    next += 1;
                 }
                 tick();
             }
-            runs.push(checkpoints);
         }
-        Ok(merge(&runs))
+        Ok(checkpoints.iter().map(|(frames, runs)| CurvePoint::new(*frames, costs, runs)).collect())
     }
 }
 
@@ -211,22 +295,17 @@ fn is_checkpoint(n: u32) -> bool {
     (nearest / 2.0).exp2().round() as u32 == n
 }
 
-/// Checkpoints that every run has.
-fn merge(runs: &[Vec<(u32, f64, Metrics)>]) -> Vec<CurvePoint> {
-    let count = runs.iter().map(Vec::len).min().unwrap_or(0);
-    let at = |i: usize| {
-        let of = |value: &dyn Fn(&(u32, f64, Metrics)) -> f64| {
-            Interval::of(&runs.iter().map(|run| value(&run[i])).collect::<Vec<_>>())
-        };
+impl CurvePoint {
+    fn new(frames: u32, costs: &[f64], runs: &[Metrics]) -> Self {
+        let of = |value: &dyn Fn(&Metrics) -> f64| Interval::of(&runs.iter().map(value).collect::<Vec<_>>());
         CurvePoint {
-            frames: runs[0][i].0,
-            ms: of(&|p| p.1).mean,
-            rel_mse: of(&|p| p.2.rel_mse),
-            r_mae: of(&|p| p.2.r_mae),
-            energy_ratio: of(&|p| p.2.energy_ratio),
+            frames,
+            ms: costs[frames as usize - 1],
+            rel_mse: of(&|m| m.rel_mse),
+            r_mae: of(&|m| m.r_mae),
+            energy_ratio: of(&|m| m.energy_ratio),
         }
-    };
-    (0..count).map(at).collect()
+    }
 }
 
 fn errors(runs: &[Metrics], mean: &Mean, truth: &[Vec3]) -> Errors {
@@ -247,22 +326,10 @@ fn errors(runs: &[Metrics], mean: &Mean, truth: &[Vec3]) -> Errors {
     }
 }
 
-/// The middle of a picture as reports show it, under the truth's exposure.
-pub fn encode_part(radiance: &[Vec3], truth: &Truth) -> Result<String> {
-    use base64::Engine;
-    let exposure = exposure::automatic(&truth.radiance, 0.0);
-    let part = SHOWN.min(truth.size);
-    let corner = (truth.size - part) / 2;
-    let jpeg = crate::image_io::jpeg(part, |x, y| {
-        let c = radiance[((corner.y + y) * truth.size.x + corner.x + x) as usize];
-        shared::tonemap::display(if c.is_finite() { c } else { Vec3::ZERO }, exposure)
-    })?;
-    Ok(base64::engine::general_purpose::STANDARD.encode(jpeg))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::UVec2;
 
     #[test]
     fn checkpoints_are_half_octaves() {
@@ -287,15 +354,33 @@ mod tests {
         assert_eq!(e.energy_ratio.mean, 2.0);
     }
 
+    /// Two runs of 3 frames (the last one of each is not counted: a read came before it), then the median.
     #[test]
-    fn curves_end_where_the_shortest_run_ends() {
-        let run = |n: u32, x: f64| {
-            (1..=n)
-                .map(|i| (i, x * f64::from(i), Metrics { rel_mse: x, ..Metrics::default() }))
-                .collect::<Vec<_>>()
-        };
-        let merged = merge(&[run(3, 1.0), run(2, 3.0)]);
-        assert_eq!(merged.len(), 2);
-        assert_eq!((merged[1].frames, merged[1].ms, merged[1].rel_mse.mean), (2, 4.0, 2.0));
+    fn a_curve_costs_what_frames_without_reads_cost() {
+        let text = "title = 'x'\nsize = [1, 1]\naccumulate = { ms = 12, frames = 9 }\n[[scene]]\nname = 'a'\nsource = 'knot'\n\
+                    [[series]]\nname = 's'";
+        let mut plan: Plan = toml::from_str(text).unwrap();
+        let mut times = Timed { by_number: vec![vec![1.0, 3.0], vec![4.0, 6.0]], ..Timed::default() };
+        for ms in [3.0, 4.0, 2.0] {
+            times.passes.add(Some(vec![("pass", ms)]));
+        }
+        assert_eq!(times.costs(&plan), [2.0, 7.0, 10.0, 13.0]);
+        plan.accumulate.as_mut().unwrap().frames = 3;
+        assert_eq!(times.costs(&plan), [2.0, 7.0, 10.0]);
+        plan.accumulate = None;
+        assert!(times.costs(&plan).is_empty());
+    }
+
+    /// Results keep one form: what is judged lies beside the rest, and may be missing.
+    #[test]
+    fn points_are_read_as_they_were_written() {
+        let mut point = Measurement { settled: None, ..Measurement::default() };
+        for judged in [None, Some(Judged::default())] {
+            point.judged = judged;
+            let value = serde_json::to_value(&point).unwrap();
+            assert_eq!(value.get("error").is_some(), point.judged.is_some());
+            let read: Measurement = serde_json::from_value(value).unwrap();
+            assert_eq!(read.judged.is_some(), point.judged.is_some());
+        }
     }
 }

@@ -4,13 +4,15 @@ use super::point::Measurement;
 use super::truth::Truth;
 use crate::error::{Error, Result};
 use crate::image_io;
+use crate::measure::mean::Mean;
 use crate::scene::SceneDescription;
+use glam::UVec2;
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-/// A folder of `point-KEY.json`, `truth-KEY.exr` and `truth-KEY.json`. Files appear whole or not at all.
+/// A folder of `point-KEY.json`, `truth-KEY.exr`, `truth-KEY.json` and `truth-KEY.mean`. Files appear whole or not at all.
 pub struct Store {
     directory: PathBuf,
 }
@@ -38,8 +40,16 @@ impl Store {
         Some(Truth { size, radiance, about })
     }
 
-    /// The numbers last: a truth that has them has its picture.
-    pub fn save_truth(&self, key: &str, truth: &Truth) -> Result<()> {
+    /// What a truth of `size` goes on from.
+    pub fn truth_state(&self, key: &str, size: UVec2) -> Option<Mean> {
+        Mean::from_bytes(size, &std::fs::read(self.path("truth", key, "mean")).ok()?)
+    }
+
+    /// The numbers last: a truth that has them has its picture. A truth that is exact has no `state`.
+    pub fn save_truth(&self, key: &str, truth: &Truth, state: &Mean) -> Result<()> {
+        if truth.about.error > 0.0 {
+            image_io::replace(&self.path("truth", key, "mean"), &state.to_bytes())?;
+        }
         image_io::write_exr(&self.path("truth", key, "exr"), truth.size, &truth.radiance)?;
         image_io::replace(&self.path("truth", key, "json"), &to_json(&truth.about)?)
     }

@@ -2,7 +2,7 @@
 //!
 //! Where the sum over all lights is affordable it is the truth: of a scene with nothing but points, spots and parallel light,
 //! and nothing transparent, one pass is exact. Else passes with other random numbers are averaged until their own standard
-//! error is small enough. Where there are too many lights for a sum, independent frames of plain resampling take its place: no
+//! error is small enough: at first by what the plan says, then, when points are known, by the smallest of their errors. Where there are too many lights for a sum, independent frames of plain resampling take its place: no
 //! temporal, no spatial, no visibility reuse, no tiles, whose mean is the same (the tests hold them against the sum).
 
 use super::plan::TruthPlan;
@@ -32,6 +32,9 @@ pub struct AboutTruth {
     pub samples: u32,
     /// √relMSE that the truth itself is expected to have; 0 where it is exact.
     pub error: f64,
+    /// It has the most samples that the plan allows, and its error is still above the wanted part of the point's smallest.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub capped: bool,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -62,13 +65,15 @@ impl Lighting {
     }
 }
 
-/// Renders until the standard error is `plan.error`, or `plan.max_samples` are reached. `tick` is called after each sample.
+/// Goes on from `mean` until the standard error is `wanted` (√relMSE), or there are `plan.max_samples`. `tick` is called after
+/// each sample.
 pub fn converge(
     renderer: &mut Renderer,
     camera: Camera,
     lighting: &Lighting,
     plan: &TruthPlan,
-    key: String,
+    wanted: f64,
+    mean: &mut Mean,
     mut tick: impl FnMut(),
 ) -> Result<Truth> {
     let size = renderer.size();
@@ -76,26 +81,43 @@ pub fn converge(
     let by_sum = rays <= plan.max_rays;
     let work = if by_sum { Work::Reference { lights: lighting.lights } } else { Work::Restir(independent()) };
     let exact = by_sum && lighting.is_exact();
-    let samples = if exact { 1 } else { plan.max_samples.max(4) };
-    let mut mean = Mean::new(size);
-    let mut error = if exact { 0.0 } else { f64::INFINITY };
+    let most = if exact { 1 } else { plan.max_samples.max(FEWEST) };
+    // A stretch of samples has a seed of its own: the renderer counts its frames from 0 again.
+    let seed = SEED.wrapping_add(mean.count());
+    let mut error = error_of(mean, exact);
     renderer.restart();
-    while mean.count() < samples {
-        let options = FrameOptions { work, seed: SEED, exposure: 1.0, background: Vec3::ZERO };
-        renderer.render(camera, &options)?;
-        mean.add(&renderer.radiance()?);
-        tick();
-        // A look at the error costs about as much as a sample: at powers of two.
-        if !exact && mean.count() >= 4 && (mean.count().is_power_of_two() || mean.count() == samples) {
-            error = rel_mse_of_errors(&mean.standard_errors(), &mean.radiance()).sqrt();
-            if error <= plan.error {
-                break;
-            }
+    while error > wanted && mean.count() < most {
+        for _ in mean.count()..next_look(mean.count(), error / wanted).min(most) {
+            let options = FrameOptions { work, seed, exposure: 1.0, background: Vec3::ZERO };
+            renderer.render(camera, &options)?;
+            mean.add(&renderer.radiance()?);
+            tick();
         }
+        error = error_of(mean, exact);
     }
     let method = if by_sum { Method::SumOverLights } else { Method::IndependentFrames };
-    let about = AboutTruth { key, method, samples: mean.count(), error };
+    let about = AboutTruth { method, samples: mean.count(), error, ..AboutTruth::default() };
     Ok(Truth { size, radiance: mean.radiance(), about })
+}
+
+/// Fewer say nothing about their spread.
+const FEWEST: u32 = 4;
+
+fn error_of(mean: &Mean, exact: bool) -> f64 {
+    match mean.count() {
+        0 => f64::INFINITY,
+        _ if exact => 0.0,
+        count if count < FEWEST => f64::INFINITY,
+        _ => rel_mse_of_errors(&mean.standard_errors(), &mean.radiance()).sqrt(),
+    }
+}
+
+/// How many samples to have before the error is looked at again, which costs about as much as one: where it is expected to be
+/// small enough, but soon enough to learn whether that was right. `times`: how often too large the error is.
+fn next_look(count: u32, times: f64) -> u32 {
+    let n = f64::from(count);
+    let expected = (n * times * times).clamp(n * 1.1, n * 2.0);
+    (expected.ceil() as u32).max(FEWEST)
 }
 
 fn independent() -> Settings {
@@ -108,5 +130,33 @@ fn independent() -> Settings {
         tiles: 0,
         reservoirs: 1,
         ..Settings::default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn looks_come_where_the_error_is_expected_to_be_right() {
+        assert_eq!(next_look(0, f64::INFINITY), FEWEST);
+        assert_eq!(next_look(4, f64::INFINITY), 8);
+        // 20 % too large: 44 % more samples.
+        assert_eq!(next_look(100, 1.2), 144);
+        assert_eq!((next_look(100, 1.001), next_look(100, 50.0)), (111, 200));
+    }
+
+    #[test]
+    fn errors_of_few_samples_are_unknown() {
+        let mut mean = Mean::new(UVec2::ONE);
+        assert_eq!(error_of(&mean, true), f64::INFINITY);
+        for i in 0..4 {
+            assert_eq!(error_of(&mean, false), f64::INFINITY, "{i} samples");
+            mean.add(&[Vec3::splat(1.0 + i as f32)]);
+        }
+        // Mean 2.5, standard error √(5/3/4).
+        let expected = (5.0f64 / 12.0 / (6.25 * 1.001)).sqrt();
+        assert!((error_of(&mean, false) - expected).abs() < 1e-9);
+        assert_eq!(error_of(&mean, true), 0.0);
     }
 }

@@ -1,15 +1,14 @@
 //! Images: files, data URIs and buffer views -> RGBA8 texels.
 
 use super::{Reason, accessors, label, one_line, uri};
+use crate::parallel;
 use crate::scene::Image;
 use gltf::Document;
 use image::{ImageFormat, ImageReader, Limits};
 use std::collections::{BTreeSet, HashMap};
 use std::io::Cursor;
-use std::num::NonZero;
 use std::path::Path;
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex};
+use std::sync::Arc;
 
 /// Largest width and height, px: what Vulkan devices of this class take (maxImageDimension2D).
 const MAX_SIDE: u32 = 16384;
@@ -29,19 +28,8 @@ pub type Images = HashMap<usize, Result<Arc<Image>, Fault>>;
 /// Loads the images that `used` names, on all cores (decoding takes most of a scene's loading time).
 pub fn load(document: &Document, used: &BTreeSet<usize>, base: &Path, buffers: &[Vec<u8>]) -> Images {
     let sources: Vec<gltf::Image> = document.images().filter(|image| used.contains(&image.index())).collect();
-    let workers = std::thread::available_parallelism().map_or(1, NonZero::get).min(sources.len());
-    let (next, images) = (AtomicUsize::new(0), Mutex::new(Images::new()));
-    let work = || {
-        while let Some(source) = sources.get(next.fetch_add(1, Ordering::Relaxed)) {
-            let image = load_one(document, source, base, buffers).map(Arc::new);
-            // A poisoned map means a panic, which the scope passes on by itself.
-            if let Ok(mut images) = images.lock() {
-                images.insert(source.index(), image);
-            }
-        }
-    };
-    std::thread::scope(|scope| (0..workers).for_each(|_| drop(scope.spawn(work))));
-    images.into_inner().unwrap_or_default()
+    let images = parallel::map(&sources, |source| load_one(document, source, base, buffers).map(Arc::new));
+    sources.iter().map(gltf::Image::index).zip(images).collect()
 }
 
 fn load_one(

@@ -17,13 +17,14 @@ mod uri;
 mod warnings;
 
 use super::animation::{Local, Node, Thing};
-use super::{Instance, Mesh, SceneDescription};
+use super::{Instance, Mesh, Primitive, SceneDescription};
 use crate::error::{Error, Result};
+use crate::{parallel, startup};
 use glam::{DAffine3, DVec3, Vec3};
 use gltf::Document;
 use materials::Materials;
 use nodes::Placed;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::Path;
 use warnings::Warnings;
 
@@ -46,21 +47,23 @@ pub fn load(path: &Path) -> Result<SceneDescription> {
 }
 
 fn scene_of(bytes: &[u8], base: &Path) -> Reason<SceneDescription> {
-    let (document, buffers) = file::parse(bytes, base)?;
+    let (document, buffers) = startup::timed("parse", || file::parse(bytes, base))?;
     let mut warnings = Warnings::default();
     warn_of_features(&document, &mut warnings);
     let mut nodes = nodes::place(&document)?;
     let worn = nodes.iter().filter_map(|placed| placed.node.mesh()).flat_map(|mesh| mesh.primitives());
     let images = materials::images_of(worn.map(|primitive| primitive.material()));
-    let images = images::load(&document, &images, base, &buffers);
+    let images = startup::timed("images", || images::load(&document, &images, base, &buffers));
     let mut loader = Loader {
         buffers: &buffers,
         materials: Materials::new(images),
+        read_meshes: HashMap::new(),
         known_meshes: HashMap::new(),
         scene: SceneDescription::default(),
         warnings,
     };
-    // Meshes first: they tell where the scene is.
+    startup::timed("meshes", || loader.read_meshes(&nodes));
+    // The meshes tell where the scene is.
     loader.scene.origin = loader.recenter(&mut nodes)?;
     let origin = loader.scene.origin;
     let motion = animations::read(&document, &nodes, origin, &buffers, &mut loader.warnings)?;
@@ -77,10 +80,15 @@ fn warn_of_features(document: &Document, warnings: &mut Warnings) {
     }
 }
 
+/// A primitive, none if it has nothing to draw, and what is to be said of it.
+type ReadPrimitive = (Reason<Option<Primitive>>, Warnings);
+
 /// A scene that grows node by node.
 struct Loader<'b> {
     buffers: &'b [Vec<u8>],
     materials: Materials,
+    /// By their index in the document, until they are used.
+    read_meshes: HashMap<usize, Vec<ReadPrimitive>>,
     /// Index in the document -> in the scene, for shared meshes, and the point that their positions are relative to in
     /// object space; `None` for those without triangles.
     known_meshes: HashMap<usize, Option<(usize, DVec3)>>,
@@ -132,6 +140,36 @@ impl Loader<'_> {
         Ok(())
     }
 
+    /// Reads the primitives of all meshes of `nodes`, on all processors; what they lack is said when they are used.
+    fn read_meshes(&mut self, nodes: &[Placed]) {
+        let mut tasks = Vec::new();
+        let mut seen = HashSet::new();
+        for mesh in nodes.iter().filter_map(|placed| placed.node.mesh()).filter(|m| seen.insert(m.index())) {
+            let mesh_label = label("mesh", mesh.index(), mesh.name());
+            for primitive in mesh.primitives() {
+                let label = format!("{mesh_label}, primitive {}", primitive.index());
+                let mut warnings = Warnings::default();
+                // Materials get their numbers in this order.
+                let wear = self.materials.wear(&primitive.material(), &mut warnings);
+                tasks.push((mesh.index(), primitive, label, wear, warnings));
+            }
+        }
+        let buffers = self.buffers;
+        let read = parallel::map(&tasks, |(_, primitive, label, wear, _)| {
+            let mut warnings = Warnings::default();
+            let wear = wear.as_ref().map_err(Clone::clone);
+            let read = wear.and_then(|wear| {
+                geometry::read(primitive, label, wear, buffers, &mut warnings)
+                    .map_err(|reason| format!("{label}: {reason}"))
+            });
+            (read, warnings)
+        });
+        for ((mesh, .., mut warnings), (primitive, more)) in tasks.into_iter().zip(read) {
+            warnings.append(more);
+            self.read_meshes.entry(mesh).or_default().push((primitive, warnings));
+        }
+    }
+
     /// The node of the scene's animation that stands at `offset` from `parent`.
     fn child(&mut self, parent: usize, offset: DAffine3) -> usize {
         if offset == DAffine3::IDENTITY {
@@ -151,13 +189,10 @@ impl Loader<'_> {
         if let Some(&known) = self.known_meshes.get(&source.index()) {
             return Ok(known);
         }
-        let mesh_label = label("mesh", source.index(), source.name());
         let mut primitives = Vec::new();
-        for primitive in source.primitives() {
-            let label = format!("{mesh_label}, primitive {}", primitive.index());
-            let wear = self.materials.wear(&primitive.material(), &mut self.warnings)?;
-            let read = geometry::read(&primitive, &label, &wear, self.buffers, &mut self.warnings);
-            primitives.extend(read.map_err(|reason| format!("{label}: {reason}"))?);
+        for (primitive, warnings) in self.read_meshes.remove(&source.index()).into_iter().flatten() {
+            self.warnings.append(warnings);
+            primitives.extend(primitive?);
         }
         let mut known = None;
         if !primitives.is_empty() {

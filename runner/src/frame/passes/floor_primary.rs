@@ -1,0 +1,11 @@
+//! Primary rays from a buffer, and nothing else.
+
+use crate::frame::pass::{Access, Extent, Pass, Rays, Role, Stage};
+
+pub const PASS: Pass = Pass {
+    stem: "floor_primary",
+    stage: Stage::RayTracing(Rays::Primary),
+    uses: &[(Role::Rays, Access::Read), (Role::Hits, Access::Write)],
+    extent: Extent::Pixels,
+    past: false,
+};

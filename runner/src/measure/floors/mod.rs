@@ -1,0 +1,178 @@
+//! The least that a frame's rays and bytes can take on a device: the very rays of its passes, traced by a kernel that does
+//! nothing else, and the G-buffer copied.
+
+mod capture;
+
+pub use capture::Captured;
+
+use crate::error::Result;
+use crate::frame::pass::{BufferId, Pass};
+use crate::frame::passes::{floor_copy, floor_primary, floor_shadow};
+use crate::frame::renderer::{FrameOptions, MAX_TIMESTAMPS, Renderer};
+use crate::frame::schedule::Work;
+use crate::measure::statistics::Times;
+use crate::measure::sweep::steady::{SteadyPlan, Watch};
+use crate::measure::times::PassTimes;
+use crate::scene::lights::LightTable;
+use crate::vulkan::Timestamps;
+use glam::Vec3;
+use serde::Serialize;
+use shared::camera::Camera;
+use shared::frame::Settings;
+use shared::interface::PassConstants;
+use shared::surface::GBufferTexel;
+use std::time::Instant;
+
+/// What a ray is traced for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Kind {
+    /// What a pixel sees: `gbuffer`.
+    Primary,
+    /// Is the survivor of fresh candidates visible: `initial`.
+    Visibility,
+    /// Is the sample that shades a pixel visible: `shade`.
+    Shading,
+    /// Does a pixel see the sample of a pixel in its neighborhood: like those of `spatial_unbiased`, though not the very same.
+    Neighbor,
+}
+
+/// Rays of one kind, traced alone.
+#[derive(Clone, Debug, Serialize)]
+pub struct RayFloor {
+    pub kind: Kind,
+    pub rays: usize,
+    pub hits: usize,
+    pub ms: Times,
+    /// Millions a second.
+    pub rate: f64,
+}
+
+#[derive(Clone, Debug, Serialize)]
+pub struct Floors {
+    /// Steady before the rays were timed; false: the longest wait was over.
+    pub steady: bool,
+    pub rays: Vec<RayFloor>,
+    /// Bytes that the copy read and wrote.
+    pub copied: u64,
+    pub copy_ms: Times,
+    /// 10⁹ bytes a second.
+    pub bandwidth: f64,
+    /// Medians of the frame that the rays are of: (pass, ms), and the whole.
+    pub passes: Vec<(String, f64)>,
+    pub frame_ms: f64,
+}
+
+/// Frames that give the captured one its history.
+pub const HISTORY: u32 = 16;
+
+impl Floors {
+    /// ms that the rays of the frame take alone; neighbors are none of a biased frame.
+    pub fn ray_ms(&self) -> f64 {
+        self.rays.iter().filter(|r| r.kind != Kind::Neighbor).map(|r| r.ms.median).sum()
+    }
+}
+
+/// Measures with `frames` timed launches of each kind, and as many of the whole frame. `settings`: one reservoir a pixel.
+pub fn measure(
+    renderer: &mut Renderer,
+    lights: &LightTable,
+    camera: Camera,
+    settings: Settings,
+    frames: u32,
+) -> Result<Floors> {
+    renderer.restart();
+    for _ in 0..HISTORY {
+        renderer.render(camera, &options(settings))?;
+    }
+    let captured = capture::rays(renderer, lights, camera, settings)?;
+    let mut bench = Bench { renderer, frames, steady: true };
+    let mut rays = Vec::new();
+    for Captured { kind, rays: list } in captured {
+        let pass = if kind == Kind::Primary { &floor_primary::PASS } else { &floor_shadow::PASS };
+        let (recorder, history) = bench.renderer.parts();
+        history.set_rays(recorder.device(), &list)?;
+        let ms = bench.time_pass(pass)?;
+        let hits: Vec<u32> = bench.renderer.read(BufferId::Hits)?;
+        let count = list.iter().filter(|ray| ray.traced != 0).count();
+        rays.push(RayFloor {
+            kind,
+            rays: count,
+            hits: hits.iter().sum::<u32>() as usize,
+            ms,
+            rate: count as f64 * 1e-3 / ms.median,
+        });
+    }
+    let copied = 2 * u64::from(bench.renderer.size().element_product()) * size_of::<GBufferTexel>() as u64;
+    let copy_ms = bench.time_pass(&floor_copy::PASS)?;
+    let mut times = PassTimes::default();
+    bench.settle(|renderer| frame(renderer, camera, settings, None))?;
+    for _ in 0..frames {
+        frame(bench.renderer, camera, settings, Some(&mut times))?;
+    }
+    let passes = times.medians().into_iter().map(|(stem, ms)| (stem.to_owned(), ms)).collect();
+    let bandwidth = copied as f64 * 1e-6 / copy_ms.median;
+    let steady = bench.steady;
+    Ok(Floors { steady, rays, copied, copy_ms, bandwidth, passes, frame_ms: times.frame_median() })
+}
+
+fn options(settings: Settings) -> FrameOptions {
+    FrameOptions { work: Work::Restir(settings), seed: 0, exposure: 1.0, background: Vec3::ZERO }
+}
+
+/// One whole frame; gives its ms.
+fn frame(
+    renderer: &mut Renderer,
+    camera: Camera,
+    settings: Settings,
+    times: Option<&mut PassTimes>,
+) -> Result<f64> {
+    let start = Instant::now();
+    let steps = renderer.render(camera, &options(settings))?;
+    let steps = steps.unwrap_or_else(|| vec![("frame", start.elapsed().as_secs_f64() * 1e3)]);
+    let ms = steps.iter().map(|(_, ms)| ms).sum();
+    if let Some(times) = times {
+        times.add(Some(steps));
+    }
+    Ok(ms)
+}
+
+struct Bench<'a> {
+    renderer: &'a mut Renderer,
+    frames: u32,
+    steady: bool,
+}
+
+impl Bench<'_> {
+    /// ms of `pass` alone, warm.
+    fn time_pass(&mut self, pass: &'static Pass) -> Result<Times> {
+        let (recorder, _) = self.renderer.parts();
+        let mut timestamps = Timestamps::new(recorder.device(), MAX_TIMESTAMPS)?;
+        let mut launch = |renderer: &mut Renderer| -> Result<f64> {
+            let (recorder, history) = renderer.parts();
+            let (device, start) = (recorder.device().clone(), Instant::now());
+            device.submit_once(pass.stem, |cmd| {
+                timestamps.begin(cmd);
+                let passes = [(pass, PassConstants::default())];
+                recorder.record_looks(cmd, history, None, &passes, &mut timestamps)
+            })?;
+            let ms = timestamps.read()?.map(|steps| steps.iter().map(|(_, ms)| ms).sum());
+            Ok(ms.unwrap_or_else(|| start.elapsed().as_secs_f64() * 1e3))
+        };
+        self.settle(&mut launch)?;
+        let ms: Vec<f64> = (0..self.frames).map(|_| launch(self.renderer)).collect::<Result<_>>()?;
+        Ok(Times::of(&ms))
+    }
+
+    /// Works until the time of a launch stands still.
+    fn settle(&mut self, mut work: impl FnMut(&mut Renderer) -> Result<f64>) -> Result<()> {
+        let (start, mut watch) = (Instant::now(), Watch::new(SteadyPlan::default()));
+        loop {
+            let ms = work(self.renderer)?;
+            if let Some(settled) = watch.add(ms, start.elapsed().as_secs_f64() * 1e3) {
+                self.steady &= settled.steady;
+                return Ok(());
+            }
+        }
+    }
+}
