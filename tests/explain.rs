@@ -3,6 +3,7 @@
 use candela::cli::{self, args::Cli};
 use candela::explain::record::{Merged, PassReport};
 use candela::explain::{Explanation, World, next_frame};
+use candela::frame::rays;
 use candela::frame::renderer::{FrameOptions, Renderer};
 use candela::frame::schedule::Work;
 use candela::scene::{AlphaMode, Material, PointLight, Primitive, SceneDescription};
@@ -164,6 +165,27 @@ fn assert_telling(explanations: &[Explanation]) {
     let json = serde_json::to_value(&explanations[0]).expect("all of it is data");
     assert_eq!((json["pixel"][0].as_u64(), json["mode"].as_str()), (Some(24), Some("unbiased")));
     assert!(json["passes"][0]["candidates"][0]["source_pdf"].as_f64().is_some_and(|p| p > 0.0));
+}
+
+/// The most rays of a frame is no less than the replay traces at any pixel, and each pass comes to its part of it somewhere:
+/// one less would be too few.
+#[test]
+fn no_pixel_traces_more_rays_than_announced() {
+    let Some(device) = device() else { return };
+    let mut renderer = lit_renderer(&device);
+    let features = renderer.scene().features();
+    for (name, settings) in cases() {
+        let most = rays::most(&settings, features);
+        let explanations = explain(&mut renderer, &lit_screens(), settings, camera(SIZE), &PIXELS);
+        let mut reached = vec![0; explanations[0].passes.len() + 1];
+        for e in &explanations {
+            let shading = e.shading.iter().map(|shading| shading.rays.len());
+            let rays: Vec<usize> = e.passes.iter().map(|pass| pass.rays.len()).chain(shading).collect();
+            assert!(1 + rays.iter().sum::<usize>() as u64 <= most, "{name}: {rays:?} of {most}");
+            reached.iter_mut().zip(rays).for_each(|(most, rays)| *most = rays.max(*most));
+        }
+        assert_eq!(1 + reached.iter().sum::<usize>() as u64, most, "{name}: {reached:?}");
+    }
 }
 
 /// Negative controls: a replay of another scene is noticed, and of which kind the difference is.

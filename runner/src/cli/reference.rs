@@ -13,7 +13,7 @@ use glam::Vec3;
 pub fn run(args: &ReferenceArgs) -> Result<()> {
     let format = crate::image_io::check_writable(&args.picture.output)?;
     let mut scene = view::load_scene(&args.scene)?;
-    view::pose(&mut scene, &args.picture);
+    view::pose(&mut scene, args.picture.time);
     let camera = view::camera(&scene, &args.picture)?;
     let device = Device::new(&args.device.options())?;
     let gpu_scene = GpuScene::new(&device, &scene)?;

@@ -22,7 +22,7 @@ fn still(args: &RenderArgs, frames: u32) -> Result<()> {
     let format = crate::image_io::check_writable(&args.picture.output)?;
     let knobs = args.knobs.document()?;
     let mut scene = view::load_scene(&args.scene)?;
-    view::pose(&mut scene, &args.picture);
+    view::pose(&mut scene, args.picture.time);
     let camera = view::camera(&scene, &args.picture)?;
     let device = Device::new(&args.device.options())?;
     let gpu_scene = GpuScene::new(&device, &scene)?;

@@ -22,8 +22,8 @@ pub fn load(args: &SceneArgs) -> Result<SceneDescription> {
 }
 
 /// Poses `scene` at the time that the command line asks for, if it does.
-pub fn pose(scene: &mut SceneDescription, args: &PictureArgs) {
-    if let Some(time) = args.time {
+pub fn pose(scene: &mut SceneDescription, time: Option<f64>) {
+    if let Some(time) = time {
         let pose = scene.pose(time);
         scene.apply(&pose);
     }

@@ -10,7 +10,8 @@ pub fn run(args: &ViewArgs) -> Result<()> {
     let script = args.script.as_deref().map(Script::read).transpose()?.unwrap_or_default();
     // Without a display nothing else is worth a wait.
     let display = Display::open(args.device.options())?;
-    let scene = view::load_scene(&args.scene)?;
+    let mut scene = view::load_scene(&args.scene)?;
+    view::pose(&mut scene, args.time);
     let camera = view::scene_camera(&scene, args.camera.as_deref())?;
     let device = display.device.clone();
     let source = Source {
@@ -24,6 +25,7 @@ pub fn run(args: &ViewArgs) -> Result<()> {
         source,
         camera,
         settings,
+        time: args.time,
         size: args.size,
         stops: args.exposure,
         script,

@@ -41,6 +41,16 @@ pub struct GpuScene {
 impl GpuScene {
     /// Uploads `scene` and builds its acceleration structures.
     pub fn new(device: &Device, scene: &SceneDescription) -> Result<Self> {
+        Self::staged(device, scene, &mut |_| Ok(()))
+    }
+
+    /// As `new`; `stage` hears what is being done, and may end it by an error.
+    pub fn staged(
+        device: &Device,
+        scene: &SceneDescription,
+        stage: &mut dyn FnMut(&'static str) -> Result<()>,
+    ) -> Result<Self> {
+        stage("buffers and textures")?;
         let lights = LightTable::new(scene);
         let arrays = SceneArrays::new(scene)?;
         let environment = scene.environment.as_ref().map_or(&[][..], |map| &map.radiance);
@@ -62,6 +72,7 @@ impl GpuScene {
         let (textures, views) = upload_textures(device, &mut upload, scene)?;
         upload.finish()?;
 
+        stage("acceleration structures")?;
         let (positions, indices) = (&buffers[&scene_binding::POSITIONS], &buffers[&scene_binding::INDICES]);
         let blas = BlasSet::build(device, &geometries(&arrays, positions, indices))?;
         let tlas = Tlas::build(device, &blas, &tlas_instances(&arrays))?;

@@ -51,10 +51,6 @@ impl Timings {
     pub fn frame(&self) -> Option<Summary> {
         (!self.frames.is_empty()).then(|| summary("frame", &self.frames))
     }
-
-    pub fn clear(&mut self) {
-        *self = Timings::default();
-    }
 }
 
 fn push(times: &mut VecDeque<f64>, ms: f64) {

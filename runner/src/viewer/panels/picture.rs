@@ -38,7 +38,7 @@ pub fn show(ui: &mut Ui, state: &mut State, info: &Info, actions: &mut Vec<Actio
             state.restarts += 1;
         }
         if state.accumulate {
-            ui.weak(format!("{} frames", info.counts.0));
+            ui.weak(format!("{} frames", info.facts.counts.0));
         }
     });
     ui.horizontal(|ui| {
