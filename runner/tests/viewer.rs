@@ -106,7 +106,7 @@ fn every_knob_and_view_and_five_sizes() {
     }
     text += "knobs\nkey KeyB\nframes 1\nkey KeyL\nkey Period\nframes 1\n";
     text += &"key KeyG\nframes 1\n".repeat(15);
-    text += "key KeyB\nkey KeyX\nframes 4\nexpect reference there\nexpect compared yes\n";
+    text += "key KeyB\nkey KeyX\nframes 4\nexpect reference yes\nexpect compared yes\n";
     text += "click 100 60\nframes 3\nkey KeyF\nframes 1\ndrag left 90 50 120 70\ndrag right 90 50 80 40\nscroll 2\n";
     text += "key F1\nframes 1\nkey F1\nkey KeyH\nkey F10\nkey F11\nframes 2\nclose\n";
     assert_success(&play(&display, &folder, &text));
@@ -129,10 +129,10 @@ fn the_picked_pixel_is_explained() {
     let folder = Folder::new("explain");
     let text = "frames 2\nkey KeyI\nloaded\nexpect explanation\n\
                 click 100 60\nframes 2\nkey KeyI\nloaded\nexpect explanation pixel 100 60 of 160x120\n\
-                expect explanation biased mode\nexpect explanation spatial 1\nexpect explanation explained\nframes 2\n\
+                expect explanation biased mode\nexpect explanation spatial 1\nexpect explanation equal bits in every pass\nframes 2\n\
                 key KeyB\nkey KeyL\nkey KeyU\nframes 2\nkey KeyI\nloaded\nexpect explanation spatial_unbiased 1\n\
-                resize 120 100\nframes 2\nclick 60 60\nkey KeyI\nresize 100 120\nframes 3\nloaded\n\
-                expect explanation pixel 60 60 of 120x100\nframes 2\nexpect size 100x120\n\
+                resize 120 100\nframes 2\nclick 20 60\nkey KeyI\nresize 100 120\nframes 3\nloaded\n\
+                expect explanation pixel 20 60 of 120x100\nframes 2\nexpect size 100x120\n\
                 click 90 60\nkey KeyB\nkey KeyI\nframes 2\nexpect explanation the reference, which resamples nothing\n\
                 click 10 60\nkey KeyI\nclose\n";
     assert_success(&play(&display, &folder, text));
@@ -146,7 +146,7 @@ fn a_scene_that_moves_is_played() {
     let script = folder.script(
         "frames 2\nexpect time\nkey KeyK\nframes 2\nexpect time 0.0417\nkey KeyJ\nframes 1\nexpect time 0.0000\n\
          key Space\nframes 4\nkey Space\nframes 1\nkey KeyY\nframes 2\nkey KeyB\nkey KeyK\nframes 1\nkey KeyK\n\
-         frames 3\nkey KeyX\nkey KeyP\nframes 2\nkey KeyK\nframes 3\nclick 80 60\nframes 2\nkey Space\nkey KeyI\nloaded\n\
+         frames 3\nkey KeyX\nkey KeyP\nframes 2\nkey KeyK\nframes 3\nclick 40 60\nframes 2\nkey Space\nkey KeyI\nloaded\n\
          expect explanation held still\nframes 2\nkey Space\nframes 2\nclose\n",
     );
     assert_success(&display.viewer_of("moving.glb", &script).output().expect("the viewer starts"));
