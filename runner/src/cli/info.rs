@@ -1,6 +1,6 @@
 //! `candela info`: what a scene contains, what each of its features costs, and what is left out.
 
-use super::args::InfoArgs;
+use super::args::{DeviceArgs, SceneArgs};
 use super::view;
 use crate::error::Result;
 use crate::gpu_scene::GpuScene;
@@ -9,6 +9,7 @@ use crate::gpu_scene::memory::{self, Cost};
 use crate::scene::lights::LightTable;
 use crate::scene::{AlphaMode, Material, Primitive, SceneDescription, Workflow, emission};
 use crate::vulkan::Device;
+use clap::Args;
 use serde::Serialize;
 use shared::frame::features;
 
@@ -32,6 +33,17 @@ struct Info {
     acceleration_structures: Option<u64>,
     /// What the file has and a picture does not show, with the reasons.
     left_out: Vec<String>,
+}
+
+#[derive(Args, Clone, Debug)]
+pub struct InfoArgs {
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    #[command(flatten)]
+    pub device: DeviceArgs,
+    /// As one JSON object.
+    #[arg(long)]
+    pub json: bool,
 }
 
 pub fn run(args: &InfoArgs) -> Result<()> {

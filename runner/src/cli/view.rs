@@ -1,6 +1,7 @@
 //! Which scene and which camera a command is about.
 
-use super::args::{PictureArgs, SceneArgs, parse_view};
+use super::args::values::parse_view;
+use super::args::{PictureArgs, SceneArgs};
 use crate::error::{Error, Result};
 use crate::scene::animation::Thing;
 use crate::scene::{self, SceneCamera, SceneDescription};

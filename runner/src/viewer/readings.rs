@@ -3,7 +3,7 @@
 use super::error::Measured;
 use super::probe::Probe;
 use super::state::State;
-use super::timings::Timings;
+use super::timings::{Timings, rendering};
 use super::trail::Trail;
 use crate::frame::renderer::StepTimes;
 
@@ -31,8 +31,7 @@ impl Readings {
     pub fn take(&mut self, readback: Readback, state: &mut State) {
         if let Some(times) = &readback.times {
             self.timings.add(times);
-            let ms = times.iter().map(|(_, ms)| ms).sum();
-            self.trail.add(readback.count, ms, readback.error);
+            self.trail.add(readback.count, rendering(times), readback.error);
         }
         self.probe = readback.probe.filter(|found| Some(found.pixel) == state.picked);
         state.found(self.probe.as_ref().and_then(Probe::position));

@@ -17,7 +17,8 @@ pub fn show(ui: &mut Ui, state: &State, info: &Info) {
         Some(count) => ui.label(format!("reference: mean of {count} sums over all lights")),
     };
     let readings = info.readings;
-    let (Some(measured), Some(frame), true) = (readings.error, readings.timings.frame(), state.error) else {
+    let (Some(measured), Some(frame), true) = (readings.error, readings.timings.rendering(), state.error)
+    else {
         return;
     };
     let error = measured.error;

@@ -18,8 +18,9 @@ pub fn show(ui: &mut Ui, state: &mut State, info: &mut Info, actions: &mut Vec<A
     let Some(answer) = info.answer else { return };
     let mut open = true;
     let title = format!("Pixel {} {}", answer.pixel.x, answer.pixel.y);
-    // Over the picture, beside the panel.
-    let free = ui.available_rect_before_wrap().shrink(12.0);
+    // Beside the panel, over the lower part of the picture.
+    let mut free = ui.available_rect_before_wrap().shrink(12.0);
+    free.min.y += 0.4 * free.height();
     let window = Window::new(title).id(egui::Id::new("explanation")).open(&mut open);
     window.default_rect(free).constrain(true).show(ui.ctx(), |ui| {
         ui.horizontal(|ui| {
@@ -34,11 +35,27 @@ pub fn show(ui: &mut Ui, state: &mut State, info: &mut Info, actions: &mut Vec<A
         let lines = &answer.lines;
         ScrollArea::both().auto_shrink(false).show_rows(ui, height, lines.len(), |ui, rows| {
             for line in &lines[rows] {
-                ui.add(egui::Label::new(RichText::new(line).monospace()).extend());
+                ui.add(egui::Label::new(RichText::new(shown(line)).monospace()).extend());
             }
         });
     });
     if !open {
         *info.answer = None;
+    }
+}
+
+/// The fonts have no p with a hat; columns keep their places.
+fn shown(line: &str) -> String {
+    line.replace("  p\u{302}", " p^").replace("p\u{302}", "p^")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::shown;
+
+    #[test]
+    fn hats_are_shown_and_columns_stay() {
+        let line = "      p\u{302}   w = p\u{302}/p";
+        assert_eq!(shown(line), "     p^   w = p^/p");
     }
 }

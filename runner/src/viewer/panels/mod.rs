@@ -43,7 +43,8 @@ pub fn show(ui: &mut Ui, state: &mut State, info: &mut Info, actions: &mut Vec<A
     divider(ui, state);
     messages::show(ui, info);
     if state.panels {
-        Panel::left("panel").resizable(false).exact_size(270.0).show(ui, |ui| {
+        Panel::left("panel").resizable(false).exact_size(280.0).show(ui, |ui| {
+            ui.spacing_mut().slider_width = 90.0;
             ScrollArea::vertical().show(ui, |ui| {
                 section(ui, "Knobs", true, |ui| knobs::show(ui, state, actions));
                 section(ui, "Picture", true, |ui| picture::show(ui, state, info, actions));

@@ -2,7 +2,7 @@
 
 use super::Info;
 use crate::viewer::timings::Summary;
-use egui::{Color32, Grid, Sense, Ui, Vec2};
+use egui::{Align2, Color32, Rect, Sense, TextStyle, Ui, Vec2};
 
 pub fn show(ui: &mut Ui, info: &Info) {
     ui.label(format!("{} ({:?})", info.device.info().name, info.mode));
@@ -12,19 +12,16 @@ pub fn show(ui: &mut Ui, info: &Info) {
             ui.label("No times: none yet, or this device has no clock.");
         }
         Some(frame) => {
-            Grid::new("times").num_columns(4).show(ui, |ui| {
-                for heading in ["ms", "median", "95 %", ""] {
-                    ui.weak(heading);
-                }
-                ui.end_row();
-                for pass in timings.passes().iter().chain([&frame]) {
-                    row(ui, pass, frame.median);
-                    ui.end_row();
-                }
-            });
+            row(ui, ["ms", "median", "95 %"].map(String::from), 0.0);
+            for pass in timings.passes().iter().chain([&frame]) {
+                let part = if frame.median > 0.0 { pass.median / frame.median } else { 0.0 };
+                let times = [pass.median, pass.p95].map(|ms| format!("{ms:.2}"));
+                let [median, p95] = times;
+                row(ui, [pass.stem.into(), median, p95], part as f32);
+            }
         }
     }
-    rays(ui, info, timings.frame());
+    rays(ui, info, timings.rendering());
     let mib = |bytes: u64| bytes as f64 / f64::from(1 << 20);
     ui.label(format!(
         "memory: {:.1} MiB, {:.1} of them the picture's",
@@ -62,16 +59,20 @@ fn thousands(x: f64) -> String {
     format!("{scaled:.digits$}{unit}")
 }
 
-fn row(ui: &mut Ui, pass: &Summary, frame: f64) {
-    ui.label(pass.stem);
-    ui.monospace(format!("{:.2}", pass.median));
-    ui.monospace(format!("{:.2}", pass.p95));
-    // The pass's part of the frame.
-    let (rect, _) = ui.allocate_exact_size(Vec2::new(70.0, 10.0), Sense::hover());
-    let part = if frame > 0.0 { (pass.median / frame).clamp(0.0, 1.0) as f32 } else { 0.0 };
-    let bar = egui::Rect::from_min_size(rect.min, Vec2::new(rect.width() * part, rect.height()));
-    ui.painter().rect_filled(rect, 1.0, Color32::from_gray(50));
-    ui.painter().rect_filled(bar, 1.0, Color32::from_rgb(90, 160, 220));
+/// Name and two times, over a bar: the part of the frame.
+fn row(ui: &mut Ui, [name, median, p95]: [String; 3], part: f32) {
+    let height = ui.text_style_height(&TextStyle::Body);
+    let (rect, _) = ui.allocate_exact_size(Vec2::new(ui.available_width(), height), Sense::hover());
+    let bar = Rect::from_min_size(rect.min, Vec2::new(rect.width() * part.clamp(0.0, 1.0), height));
+    let (painter, color) = (ui.painter(), ui.visuals().text_color());
+    painter.rect_filled(bar, 1.0, Color32::from_rgb(35, 70, 105));
+    let font = TextStyle::Body.resolve(ui.style());
+    painter.text(rect.left_center(), Align2::LEFT_CENTER, name, font, color);
+    let font = TextStyle::Monospace.resolve(ui.style());
+    for (text, from_right) in [(median, 60.0), (p95, 0.0)] {
+        let place = rect.right_center() - Vec2::new(from_right, 0.0);
+        painter.text(place, Align2::RIGHT_CENTER, text, font.clone(), color);
+    }
 }
 
 #[cfg(test)]

@@ -67,11 +67,14 @@ impl Running {
     fn load(&mut self, source: Source) -> Result<()> {
         let (device, planted) = (self.device.clone(), self.planted.take());
         let (size, settings) = (self.state.size, self.state.settings[0].clone());
+        let same = source.scene == self.source.scene;
+        let here = same.then(|| (self.state.rig.camera(), self.state.timeline.time()));
         let work = move |source: &Source, progress: &Progress| {
             progress.enter("reading")?;
             let scene = source.load()?;
-            let camera = scene.cameras.first().cloned().unwrap_or_else(|| scene.camera_fitted());
-            let first = First { size, camera, settings, time: None };
+            let start = || (scene.cameras.first().cloned().unwrap_or_else(|| scene.camera_fitted()), None);
+            let (camera, time) = here.unwrap_or_else(start);
+            let first = First { size, camera, settings, time };
             let mut planted = planted;
             let mut stage = |stage| {
                 progress.enter(stage)?;
@@ -103,7 +106,10 @@ impl Running {
         };
         self.ring.wait()?;
         let scene = frames.scene();
-        self.state.enter(scene);
+        // Under another sky everything stays where it is.
+        if source.scene != self.source.scene {
+            self.state.enter(scene);
+        }
         self.window.set_title(&title(&scene.name));
         scene.warnings.iter().for_each(|warning| self.notices.say(warning.clone()));
         self.scene = SceneFacts::new(scene, frames.light_count());
