@@ -24,15 +24,18 @@ impl Answer {
     }
 }
 
+/// The frames come back with what was found.
+type Found = (Frames, Result<String>);
+
 pub struct Explaining {
-    thread: Option<JoinHandle<Option<(Frames, Result<String>)>>>,
+    thread: Option<JoinHandle<Option<Found>>>,
     pixel: UVec2,
     since: Instant,
 }
 
 impl Explaining {
     /// Nothing of `frames` may be in flight. Without a thread they come back at once.
-    pub fn start(frames: Frames, question: Question) -> Result<Explaining, (Frames, Error)> {
+    pub fn start(frames: Frames, question: Question) -> Result<Explaining, Box<(Frames, Error)>> {
         let pixel = question.pixel;
         let (give, take) = channel::<Frames>();
         let work = move || {
@@ -45,7 +48,10 @@ impl Explaining {
                 let _ = give.send(frames);
                 Ok(Explaining { thread: Some(thread), pixel, since: Instant::now() })
             }
-            Err(e) => Err((frames, Error::Usage(format!("can't start a thread to explain a pixel: {e}")))),
+            Err(e) => {
+                let error = Error::Usage(format!("can't start a thread to explain a pixel: {e}"));
+                Err(Box::new((frames, error)))
+            }
         }
     }
 
@@ -62,7 +68,7 @@ impl Explaining {
     }
 
     /// The frames and the answer, waited for. Errors: the thread has died, and the frames with it.
-    pub fn finish(mut self) -> Result<(Frames, Result<String>)> {
+    pub fn finish(mut self) -> Result<Found> {
         let died = || Error::Usage("explaining the pixel failed unexpectedly".into());
         self.thread.take().and_then(|thread| thread.join().ok().flatten()).ok_or_else(died)
     }

@@ -18,6 +18,8 @@ pub struct Trail {
     points: Vec<Point>,
     /// Of the frames in the mean, ms.
     total: f64,
+    /// Frames in it, and in the mean: the same, unless it came later.
+    frames: u32,
     count: u32,
 }
 
@@ -32,6 +34,7 @@ impl Trail {
             return;
         }
         self.total += ms;
+        self.frames += 1;
         let Some(Measured { error, .. }) = measured.filter(|measured| measured.count == count) else {
             return;
         };
@@ -43,6 +46,11 @@ impl Trail {
 
     pub fn points(&self) -> &[Point] {
         &self.points
+    }
+
+    /// Has it seen every frame of the mean?
+    pub fn is_whole(&self) -> bool {
+        self.frames == self.count
     }
 
     /// Time of all frames in the mean, ms.
@@ -91,6 +99,9 @@ mod tests {
         assert_eq!(trail.points(), [Point { ms: 2.0, error: 0.1 }]);
         trail.add(3, 1.0, measured(2, 0.1));
         assert_eq!(trail.points().len(), 1, "an error of another frame is not this one's");
+        assert!(trail.is_whole());
+        trail.add(5, 1.0, None);
+        assert!(!trail.is_whole(), "the fourth frame is missing");
         trail.add(0, 1.0, measured(0, 0.1));
         assert_eq!((trail.points().len(), slope(trail.points())), (0, None));
     }

@@ -250,6 +250,16 @@ impl Frames {
         Ok(Some(Readback { times, probe, error, count }))
     }
 
+    /// What all frames have left that are not read yet, earliest first; they must be done.
+    pub fn read_all(&mut self) -> Result<Vec<Readback>> {
+        let mut all = Vec::new();
+        for slot in 0..self.slots.len() {
+            all.extend(self.read(slot)?);
+        }
+        all.sort_by_key(|readback| readback.count);
+        Ok(all)
+    }
+
     /// The pass that a lost frame was in, as far as the device has told.
     pub fn last_pass(&self) -> Option<&'static str> {
         let unfinished =

@@ -48,6 +48,9 @@ pub fn show(ui: &mut Ui, state: &mut State, info: &mut Info, actions: &mut Vec<A
             ScrollArea::vertical().show(ui, |ui| {
                 section(ui, "Knobs", true, |ui| knobs::show(ui, state, actions));
                 section(ui, "Picture", true, |ui| picture::show(ui, state, info, actions));
+                if state.picked.is_some() {
+                    section(ui, "Pixel", true, |ui| inspector::show(ui, state, info, actions));
+                }
                 if state.needs_reference() {
                     section(ui, "Error", true, |ui| error::show(ui, state, info));
                 }
@@ -56,9 +59,6 @@ pub fn show(ui: &mut Ui, state: &mut State, info: &mut Info, actions: &mut Vec<A
                     section(ui, "Animation", true, |ui| animation::show(ui, state, actions));
                 }
                 section(ui, "Camera", false, |ui| camera::show(ui, state, actions));
-                if state.picked.is_some() {
-                    section(ui, "Pixel", true, |ui| inspector::show(ui, state, info, actions));
-                }
             });
         });
     }

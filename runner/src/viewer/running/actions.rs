@@ -123,15 +123,20 @@ impl Running {
         if !std::mem::take(&mut self.asked) {
             return Ok(());
         }
-        let Some(frames) = self.frames.take() else { return Ok(()) };
+        let Some(mut frames) = self.frames.take() else { return Ok(()) };
         self.ring.wait()?;
+        // The window uses the slots meanwhile: they would be read in another order.
+        for readback in frames.read_all()? {
+            self.readings.take(readback, &mut self.state);
+        }
         let started = match frames.question(&self.state) {
             Ok(question) => Explaining::start(frames, question),
-            Err(error) => Err((frames, error)),
+            Err(error) => Err(Box::new((frames, error))),
         };
         match started {
             Ok(explaining) => self.explaining = Some(explaining),
-            Err((frames, error)) => {
+            Err(back) => {
+                let (frames, error) = *back;
                 self.frames = Some(frames);
                 let pixel = self.state.picked.unwrap_or_default();
                 self.answer = Some(Answer::new(pixel, &error.to_string()));

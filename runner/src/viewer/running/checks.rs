@@ -59,6 +59,7 @@ impl Running {
             "reference" => yes(self.facts.counts.1.is_some()),
             "compared" => yes(self.readings.error.is_some_and(|it| it.error > 0.0 && it.error < 10.0)),
             "trail" => yes(!self.readings.trail.points().is_empty()),
+            "whole" => yes(self.readings.trail.is_whole()),
             "candidates" => state.settings[0].candidates.to_string(),
             "time" => state.timeline.time().map_or(String::new(), |time| format!("{time:.4}")),
             "camera" => format!("{:.4}", state.rig.position),
