@@ -64,6 +64,12 @@ struct Hidden {
     occluded: bool,
 }
 
+impl Hidden {
+    fn is_so(&self) -> bool {
+        self.minimised || self.occluded
+    }
+}
+
 /// What the panels say of a scene.
 pub struct SceneFacts {
     pub name: String,
@@ -127,11 +133,11 @@ impl Running {
     }
 
     pub fn pace(&self) -> Pace {
-        match &self.hidden {
-            Hidden { minimised: false, occluded: false } if self.stalled => Pace::Retry,
-            Hidden { minimised: false, occluded: false } => Pace::Draw,
-            _ => Pace::Sleep,
+        // Not every window system takes a minimised window's area away.
+        if self.hidden.is_so() || self.window.is_minimized() == Some(true) {
+            return Pace::Sleep;
         }
+        if self.stalled { Pace::Retry } else { Pace::Draw }
     }
 
     pub fn redraw(&self) {
@@ -180,7 +186,7 @@ impl Running {
     }
 
     fn frame(&mut self, event_loop: &ActiveEventLoop) -> Result<()> {
-        if self.pace() == Pace::Sleep {
+        if self.hidden.is_so() {
             return Ok(());
         }
         self.take_explained()?;
@@ -191,7 +197,7 @@ impl Running {
         self.state.advance(seconds);
         self.follow_window();
         self.stalled = true;
-        if self.pace() == Pace::Sleep || !self.screen.refresh(&mut self.ring)? {
+        if self.hidden.is_so() || !self.screen.refresh(&mut self.ring)? {
             return Ok(());
         }
         let Some(size) = self.screen.size() else { return Ok(()) };
