@@ -2,7 +2,7 @@
 
 use super::Info;
 use crate::viewer::timings::Summary;
-use egui::{Align2, Color32, Rect, Sense, TextStyle, Ui, Vec2};
+use egui::{Align2, Color32, FontId, Rect, Sense, TextStyle, Ui, Vec2};
 
 pub fn show(ui: &mut Ui, info: &Info) {
     ui.label(format!("{} ({:?})", info.device.info().name, info.mode));
@@ -15,7 +15,7 @@ pub fn show(ui: &mut Ui, info: &Info) {
             row(ui, ["ms", "median", "95 %"].map(String::from), 0.0);
             for pass in timings.passes().iter().chain([&frame]) {
                 let part = if frame.median > 0.0 { pass.median / frame.median } else { 0.0 };
-                let times = [pass.median, pass.p95].map(|ms| format!("{ms:.2}"));
+                let times = [pass.median, pass.p95].map(milliseconds);
                 let [median, p95] = times;
                 row(ui, [pass.stem.into(), median, p95], part as f32);
             }
@@ -47,6 +47,12 @@ fn rays(ui: &mut Ui, info: &Info, frame: Option<Summary>) {
         );
 }
 
+/// To a hundredth of a millisecond, but with no more digits than a column holds.
+fn milliseconds(ms: f64) -> String {
+    let digits = if ms < 100.0 { 2 } else { usize::from(ms < 1000.0) };
+    format!("{ms:.digits$}")
+}
+
 /// Three digits with k, M or G.
 fn thousands(x: f64) -> String {
     let (scaled, unit) = match x {
@@ -66,10 +72,11 @@ fn row(ui: &mut Ui, [name, median, p95]: [String; 3], part: f32) {
     let bar = Rect::from_min_size(rect.min, Vec2::new(rect.width() * part.clamp(0.0, 1.0), height));
     let (painter, color) = (ui.painter(), ui.visuals().text_color());
     painter.rect_filled(bar, 1.0, Color32::from_rgb(35, 70, 105));
-    let font = TextStyle::Body.resolve(ui.style());
+    // The longest stem fits beside the times.
+    let font = FontId::proportional(11.5);
     painter.text(rect.left_center(), Align2::LEFT_CENTER, name, font, color);
     let font = TextStyle::Monospace.resolve(ui.style());
-    for (text, from_right) in [(median, 60.0), (p95, 0.0)] {
+    for (text, from_right) in [(median, 50.0), (p95, 0.0)] {
         let place = rect.right_center() - Vec2::new(from_right, 0.0);
         painter.text(place, Align2::RIGHT_CENTER, text, font.clone(), color);
     }
@@ -77,7 +84,13 @@ fn row(ui: &mut Ui, [name, median, p95]: [String; 3], part: f32) {
 
 #[cfg(test)]
 mod tests {
-    use super::thousands;
+    use super::{milliseconds, thousands};
+
+    #[test]
+    fn times_fit_their_columns() {
+        let all = [0.054, 12.345, 123.45, 11620.7].map(milliseconds);
+        assert_eq!(all, ["0.05", "12.35", "123.5", "11621"]);
+    }
 
     #[test]
     fn numbers_of_rays_have_three_digits() {
