@@ -190,14 +190,15 @@ fn dropped_skies_and_a_failing_upload() {
 }
 
 /// No area, no frames: only the resize that a person makes from outside lets the script go on. And the display's density,
-/// as the X server tells it, from the start and while the window is open.
+/// from the start (as the window system tells it) and changed; four present modes, around and around; fullscreen.
 #[test]
 fn minimised_windows_come_back_and_density_is_followed() {
     let Some(display) = Display::open() else { return };
     let folder = Folder::new("minimise");
     let script = folder.script(
         "frames 2\nexpect scale 2\nscale 1.5\nframes 2\nexpect scale 1.5\nclick 90 60\nframes 2\nscale 1\nframes 1\n\
-         minimise\nsay asleep\nawait size 200x150\nframes 2\nexpect mode FIFO\nkey F10\nframes 2\nkey F10\nframes 2\n\
+         minimise\nsay asleep\nawait size 200x150\nframes 2\nexpect mode FIFO\n\
+         key F10\nframes 2\nkey F10\nframes 2\nexpect mode IMMEDIATE\nkey F10\nframes 2\nkey F10\nframes 2\nexpect mode FIFO\n\
          key F11\nframes 2\nexpect fullscreen yes\nkey F11\nframes 2\nexpect fullscreen\nclose\n",
     );
     let mut viewer = display.viewer(&script);

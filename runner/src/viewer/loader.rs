@@ -149,13 +149,15 @@ mod tests {
         let (go, wait) = mpsc::channel::<()>();
         let (tell, told) = mpsc::channel();
         let slow = move |_: &Source, progress: &Progress| {
-            progress.enter("waiting")?;
+            let started = progress.enter("waiting");
+            let _ = tell.send(started.is_err());
             let _ = wait.recv();
             let ended = progress.enter("never");
             let _ = tell.send(ended.is_err());
             ended.map(|()| 1)
         };
         loader.start(atrium(), slow).unwrap();
+        assert_eq!(told.recv(), Ok(false));
         loader.start(atrium(), |_, _| Ok(2)).unwrap();
         let (_, result) = std::iter::repeat_with(|| loader.poll()).find_map(|r| r).unwrap();
         assert_eq!(result.unwrap(), 2);
