@@ -3,6 +3,7 @@
 use candela::cli::{self, args::Cli};
 use candela::explain::record::{Merged, PassReport};
 use candela::explain::{Explanation, World, next_frame};
+use candela::frame::rays;
 use candela::frame::renderer::{FrameOptions, Renderer};
 use candela::frame::schedule::Work;
 use candela::scene::{AlphaMode, Material, PointLight, Primitive, SceneDescription, gltf};
@@ -11,6 +12,7 @@ use clap::Parser;
 use glam::{UVec2, Vec3, Vec4};
 use shared::camera::Camera;
 use shared::frame::{Settings, mode};
+use std::collections::HashMap;
 use std::path::Path;
 use tests::gpu::{assert_no_validation_messages, device, renderer};
 use tests::scenes::{camera, emitter, scene, square};
@@ -235,6 +237,48 @@ fn assert_telling(explanations: &[Explanation]) {
     let json = serde_json::to_value(&explanations[0]).expect("all of it is data");
     assert_eq!((json["pixel"][0].as_u64(), json["mode"].as_str()), (Some(24), Some("unbiased")));
     assert!(json["passes"][0]["candidates"][0]["source_pdf"].as_f64().is_some_and(|p| p > 0.0));
+}
+
+/// The most rays of a frame is no less than the replay traces at any pixel, and each pass comes to its part of it somewhere:
+/// one less would be too few.
+#[test]
+fn no_pixel_traces_more_rays_than_announced() {
+    let Some(device) = device() else { return };
+    let mut renderer = lit_renderer(&device);
+    let features = renderer.scene().features();
+    let (scene, now) = (lit_screens(), camera(SIZE));
+    let world = World::new(&scene).expect("the scene fits");
+    // From elsewhere: what was visible there need not be here.
+    let before = Camera { position: now.position + Vec3::X * 0.05, ..now };
+    for (name, settings) in cases() {
+        let most = rays::most(&settings, features);
+        let options =
+            FrameOptions { work: Work::Restir(settings), seed: 5, exposure: 1.0, background: Vec3::ZERO };
+        let explanations = PIXELS.map(|pixel| {
+            renderer.restart();
+            for _ in 0..2 {
+                renderer.render(before, &options).expect("the frame renders");
+            }
+            let (recorder, history) = renderer.parts();
+            next_frame(recorder, history, &world, now, &options, pixel).expect("the frame is explained")
+        });
+        // Of a pass over one reservoir, of any.
+        let mut reached: HashMap<&str, usize> = HashMap::new();
+        let mut passes = Vec::new();
+        for e in &explanations {
+            let shading = e.shading.iter().map(|shading| ("shade", shading.rays.len()));
+            let rays: Vec<_> = e.passes.iter().map(|p| (p.pass, p.rays.len())).chain(shading).collect();
+            let all: usize = rays.iter().map(|(_, rays)| rays).sum();
+            // The eye's ray comes to them.
+            assert!((all as u64) < most, "{name}: {rays:?} of {most}");
+            for &(pass, rays) in &rays {
+                reached.entry(pass).and_modify(|most| *most = rays.max(*most)).or_insert(rays);
+            }
+            passes = rays.into_iter().map(|(pass, _)| pass).collect();
+        }
+        let all: usize = passes.iter().map(|pass| reached[pass]).sum();
+        assert_eq!(1 + all as u64, most, "{name}: {reached:?}");
+    }
 }
 
 /// Negative controls: a replay of another scene is noticed, and of which kind the difference is.

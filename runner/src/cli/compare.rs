@@ -1,12 +1,27 @@
 //! `candela compare`: how far a picture is from the truth.
 
-use super::args::CompareArgs;
 use crate::error::{Error, Result};
 use crate::image_io;
 use crate::measure::heatmap;
 use crate::measure::metrics::{self, Metrics};
+use clap::Args;
 use glam::Vec3;
 use shared::math::luminance;
+use std::path::PathBuf;
+
+#[derive(Args, Clone, Debug)]
+pub struct CompareArgs {
+    /// The picture to judge: .exr, linear radiance.
+    pub picture: PathBuf,
+    /// The truth: .exr of the same size.
+    pub reference: PathBuf,
+    /// Print the numbers as JSON.
+    #[arg(long)]
+    pub json: bool,
+    /// Write heat maps of the error to this folder: flip.png and signed.png.
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+}
 
 pub fn run(args: &CompareArgs) -> Result<()> {
     let (size, picture) = image_io::read_exr(&args.picture)?;

@@ -1,6 +1,7 @@
 //! `candela explain X Y`: how one pixel of one frame came to be.
 
-use super::args::ExplainArgs;
+use super::args::values::{parse_size, positive, time};
+use super::args::{DeviceArgs, KnobArgs, SceneArgs};
 use super::{output, progress, view};
 use crate::error::{Error, Result};
 use crate::explain::{World, check_pixel, next_frame};
@@ -9,8 +10,47 @@ use crate::frame::schedule::Work;
 use crate::gpu_scene::GpuScene;
 use crate::scene::SceneDescription;
 use crate::vulkan::Device;
+use clap::Args;
 use glam::{UVec2, Vec3};
 use shared::camera::Camera;
+
+#[derive(Args, Clone, Debug)]
+pub struct ExplainArgs {
+    /// Column of the pixel, from the left, from 0.
+    pub x: u32,
+    /// Row of the pixel, from the top, from 0.
+    pub y: u32,
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// Width x height in pixels.
+    #[arg(long, default_value = "1280x720", value_parser = parse_size)]
+    pub size: UVec2,
+    /// As for `render`.
+    #[arg(long)]
+    pub camera: Option<String>,
+    /// As for `render`.
+    #[arg(long, default_value_t = 0)]
+    pub seed: u32,
+    /// Frames, as `render` counts them; the last one is explained.
+    #[arg(long, default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..))]
+    pub frames: u32,
+    /// Explain this frame instead, counted from 0.
+    #[arg(long, value_name = "F", conflicts_with = "frames")]
+    pub frame: Option<u32>,
+    /// Play the scene's animation: frame 0 shows T seconds [default: at rest].
+    #[arg(long, value_name = "T", value_parser = time)]
+    pub time: Option<f64>,
+    /// Frames a second of the animation.
+    #[arg(long, default_value_t = 24.0, value_parser = positive, requires = "time")]
+    pub fps: f32,
+    #[command(flatten)]
+    pub device: DeviceArgs,
+    #[command(flatten)]
+    pub knobs: KnobArgs,
+    /// Print JSON, for scripts.
+    #[arg(long)]
+    pub json: bool,
+}
 
 pub fn run(args: &ExplainArgs) -> Result<()> {
     let pixel = UVec2::new(args.x, args.y);

@@ -1,9 +1,23 @@
 //! `candela export`: a scene for other programs.
 
-use super::args::ExportArgs;
+use super::args::SceneArgs;
 use super::view;
 use crate::error::Result;
 use crate::scene::interchange;
+use clap::Args;
+use std::path::PathBuf;
+
+#[derive(Args, Clone, Debug)]
+pub struct ExportArgs {
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// Folder to write to; it is made if it is not there.
+    #[arg(short, long, value_name = "DIR")]
+    pub output: PathBuf,
+    /// As for `render`.
+    #[arg(long)]
+    pub camera: Option<String>,
+}
 
 pub fn run(args: &ExportArgs) -> Result<()> {
     let scene = view::load_scene(&args.scene)?;

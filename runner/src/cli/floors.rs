@@ -1,6 +1,7 @@
 //! `candela floors`: how fast this device traces the rays of a frame, and moves its bytes, without the frame around them.
 
-use super::args::FloorsArgs;
+use super::args::values::parse_size;
+use super::args::{DeviceArgs, SceneArgs};
 use super::{output, view};
 use crate::error::{Error, Result};
 use crate::frame::renderer::Renderer;
@@ -9,6 +10,28 @@ use crate::measure::floors::{self, Floors, RayFloor};
 use crate::scene::lights::LightTable;
 use crate::settings_file::SettingsFile;
 use crate::vulkan::Device;
+use clap::Args;
+use glam::UVec2;
+
+#[derive(Args, Clone, Debug)]
+pub struct FloorsArgs {
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// Width x height in pixels.
+    #[arg(long, default_value = "1920x1080", value_parser = parse_size)]
+    pub size: UVec2,
+    /// As for `render`.
+    #[arg(long)]
+    pub camera: Option<String>,
+    /// Timed launches of each kind of ray, and timed frames.
+    #[arg(long, default_value_t = 32, value_parser = clap::value_parser!(u32).range(2..))]
+    pub frames: u32,
+    #[command(flatten)]
+    pub device: DeviceArgs,
+    /// As one JSON object.
+    #[arg(long)]
+    pub json: bool,
+}
 
 pub fn run(args: &FloorsArgs) -> Result<()> {
     let scene = view::load_scene(&args.scene)?;

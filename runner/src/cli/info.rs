@@ -1,6 +1,6 @@
 //! `candela info`: what a scene contains, what each of its features costs, and what is left out.
 
-use super::args::InfoArgs;
+use super::args::{DeviceArgs, SceneArgs};
 use super::pipelines;
 use super::view;
 use crate::error::Result;
@@ -11,6 +11,7 @@ use crate::scene::lights::LightTable;
 use crate::scene::{AlphaMode, Material, Primitive, SceneDescription, Workflow, emission};
 use crate::vulkan::executables::Executable;
 use crate::vulkan::{Device, DeviceOptions};
+use clap::Args;
 use glam::{DVec3, Vec3};
 use serde::Serialize;
 use shared::frame::features;
@@ -40,6 +41,20 @@ struct Info {
     pipelines: Option<Vec<(&'static str, Vec<Executable>)>>,
     /// What the file has and a picture does not show, with the reasons.
     left_out: Vec<String>,
+}
+
+#[derive(Args, Clone, Debug)]
+pub struct InfoArgs {
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// Also what the driver's compiler made of each pass for this scene: registers, spills, instructions, as far as it tells.
+    #[arg(long)]
+    pub pipelines: bool,
+    #[command(flatten)]
+    pub device: DeviceArgs,
+    /// As one JSON object.
+    #[arg(long)]
+    pub json: bool,
 }
 
 pub fn run(args: &InfoArgs) -> Result<()> {

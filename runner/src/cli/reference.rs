@@ -1,6 +1,6 @@
 //! `candela reference`: the truth, accumulated in f64.
 
-use super::args::ReferenceArgs;
+use super::args::{DeviceArgs, PictureArgs, SceneArgs};
 use super::{output, progress, view};
 use crate::error::Result;
 use crate::frame::renderer::{FrameOptions, Renderer};
@@ -8,12 +8,26 @@ use crate::frame::schedule::Work;
 use crate::gpu_scene::GpuScene;
 use crate::measure::mean::Mean;
 use crate::vulkan::Device;
+use clap::Args;
 use glam::Vec3;
+
+#[derive(Args, Clone, Debug)]
+pub struct ReferenceArgs {
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    #[command(flatten)]
+    pub picture: PictureArgs,
+    #[command(flatten)]
+    pub device: DeviceArgs,
+    /// Points drawn on each emissive triangle; point lights are exact with one.
+    #[arg(long, default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..))]
+    pub samples: u32,
+}
 
 pub fn run(args: &ReferenceArgs) -> Result<()> {
     let format = crate::image_io::check_writable(&args.picture.output)?;
     let mut scene = view::load_scene(&args.scene)?;
-    view::pose(&mut scene, &args.picture);
+    view::pose(&mut scene, args.picture.time);
     let camera = view::camera(&scene, &args.picture)?;
     let device = Device::new(&args.device.options())?;
     let gpu_scene = GpuScene::new(&device, &scene)?;

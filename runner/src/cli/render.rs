@@ -1,8 +1,10 @@
 //! `candela render`: frames of ReSTIR, the last one or their mean as a picture.
 
-use super::args::{Frames, RenderArgs};
+use super::args::values::positive;
+use super::args::{DeviceArgs, KnobArgs, PictureArgs, SceneArgs};
 use super::{output, progress, sequence, view};
 use crate::error::Result;
+use crate::frame::rays;
 use crate::frame::renderer::{FrameOptions, Renderer};
 use crate::frame::schedule::Work;
 use crate::gpu_scene::GpuScene;
@@ -10,7 +12,46 @@ use crate::measure::mean::Mean;
 use crate::measure::times::PassTimes;
 use crate::startup;
 use crate::vulkan::Device;
+use clap::Args;
 use glam::Vec3;
+use std::ops::Range;
+
+#[derive(Args, Clone, Debug)]
+pub struct RenderArgs {
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    #[command(flatten)]
+    pub picture: PictureArgs,
+    #[command(flatten)]
+    pub device: DeviceArgs,
+    #[command(flatten)]
+    pub knobs: KnobArgs,
+    /// N: frames to render, the last one is written. A..B: a sequence, pictures A to B - 1; `-o` must have #### or {frame} for
+    /// their number.
+    #[arg(long, value_name = "N|A..B", default_value = "16", value_parser = parse_frames)]
+    pub frames: Frames,
+    /// Pictures a second of a sequence.
+    #[arg(long, default_value_t = 24.0, value_parser = positive)]
+    pub fps: f32,
+    /// Frames before the first picture of a sequence, which give it a history.
+    #[arg(long, value_name = "N", default_value_t = 16)]
+    pub warm_up: u32,
+    /// Render the pictures of a sequence anew that exist.
+    #[arg(long)]
+    pub overwrite: bool,
+    /// Write the mean of all frames instead of the last one.
+    #[arg(long)]
+    pub accumulate: bool,
+}
+
+/// What `--frames` asks for.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Frames {
+    /// So many of a still, for one picture.
+    Still(u32),
+    /// A picture each.
+    Sequence(Range<u32>),
+}
 
 pub fn run(args: &RenderArgs) -> Result<()> {
     match &args.frames {
@@ -23,7 +64,7 @@ fn still(args: &RenderArgs, frames: u32) -> Result<()> {
     let format = crate::image_io::check_writable(&args.picture.output)?;
     let knobs = args.knobs.document()?;
     let mut scene = view::load_scene(&args.scene)?;
-    view::pose(&mut scene, &args.picture);
+    view::pose(&mut scene, args.picture.time);
     let camera = view::camera(&scene, &args.picture)?;
     let device = Device::new(&args.device.options())?;
     let gpu_scene = GpuScene::new(&device, &scene)?;
@@ -57,18 +98,22 @@ fn still(args: &RenderArgs, frames: u32) -> Result<()> {
     let lights = renderer.scene().light_count();
     println!("{}: {lights} lights, {}x{}, {} frames", device.info().name, size.x, size.y, frames);
     println!("{}", times.summary());
-    println!("rays a frame: {}", settings_rays(size, &settings, renderer.scene().features()));
+    let rays = rays::most(&settings, renderer.scene().features());
+    let pixels = u64::from(size.x) * u64::from(size.y);
+    println!("rays a frame: at most {} ({rays} a pixel)", rays * pixels);
     output::check_validation(&device)
 }
 
-/// How many rays a frame traces: exact for primary rays; shadow rays are traced only where light could arrive.
-fn settings_rays(size: glam::UVec2, settings: &shared::frame::Settings, features: u32) -> String {
-    let pixels = u64::from(size.x) * u64::from(size.y);
-    let shadow = pixels * u64::from(settings.reservoirs);
-    let initial = if settings.visibility_reuse != 0 { shadow } else { 0 };
-    let found = match shadow * u64::from(settings.bsdf_candidates(features)) {
-        0 => String::new(),
-        rays => format!(" at most {rays} for BSDF candidates,"),
+fn parse_frames(text: &str) -> Result<Frames, String> {
+    const EXPECTED: &str = "expected a number of frames above 0, or a range A..B with A < B";
+    let number = |text: &str| text.parse::<u32>().map_err(|_| EXPECTED.to_owned());
+    let frames = match text.split_once("..") {
+        None => Frames::Still(number(text)?),
+        Some((first, end)) => Frames::Sequence(number(first)?..number(end)?),
     };
-    format!("{pixels} primary,{found} at most {initial} for visibility reuse, at most {shadow} for shading")
+    match &frames {
+        Frames::Still(0) => Err(EXPECTED.into()),
+        Frames::Sequence(range) if range.is_empty() => Err(EXPECTED.into()),
+        _ => Ok(frames),
+    }
 }

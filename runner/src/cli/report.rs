@@ -1,9 +1,19 @@
 //! `candela report`: a sweep's report again, or a page's tables from committed results.
 
-use super::args::ReportArgs;
 use crate::error::Result;
 use crate::measure::report;
 use crate::measure::report::markdown;
+use clap::Args;
+use std::path::PathBuf;
+
+#[derive(Args, Clone, Debug)]
+pub struct ReportArgs {
+    /// Folder of a sweep's results, or of committed ones.
+    pub directory: PathBuf,
+    /// Fill the tables of this page from the folder's .json files.
+    #[arg(long, value_name = "FILE")]
+    pub markdown: Option<PathBuf>,
+}
 
 pub fn run(args: &ReportArgs) -> Result<()> {
     match &args.markdown {

@@ -1,7 +1,7 @@
 //! `candela render --frames A..B`: pictures of a sequence, one a frame. Those that exist are skipped, so that jobs can share a
 //! sequence and resume it.
 
-use super::args::RenderArgs;
+use super::render::RenderArgs;
 use super::{output, progress, view};
 use crate::error::{Error, Result};
 use crate::exposure;

@@ -1,16 +1,55 @@
 //! `candela sweep`: a plan's points, one after another, into a report.
 
-use super::args::SweepArgs;
+use super::args::DeviceArgs;
+use super::args::values::{parse_size, positive};
 use super::{output, progress};
 use crate::error::{Error, Result};
 use crate::measure::report::{self, markdown, tables};
 use crate::measure::sweep::plan::Plan;
 use crate::measure::sweep::store::Store;
 use crate::measure::sweep::{Results, Sweep, point};
+use clap::Args;
+use glam::UVec2;
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 /// Results so far are written about this often: whoever stops a sweep has them.
 const WRITE_EVERY: Duration = Duration::from_secs(20);
+
+#[derive(Args, Clone, Debug)]
+pub struct SweepArgs {
+    /// A .toml file, or a built-in plan: thesis, lights, modes, bench (times alone), smoke.
+    pub plan: PathBuf,
+    /// Folder of the results: points.json, points.csv, report.html.
+    #[arg(short, long, value_name = "DIR")]
+    pub output: PathBuf,
+    /// Folder of what is kept between runs: finished points and references [default: DIR/cache].
+    #[arg(long, value_name = "DIR")]
+    pub cache: Option<PathBuf>,
+    /// Measure only the points whose name contains this; may be said several times.
+    #[arg(long, value_name = "TEXT")]
+    pub only: Vec<String>,
+    /// Width x height in pixels, in place of the plan's.
+    #[arg(long, value_parser = parse_size)]
+    pub size: Option<UVec2>,
+    /// Frames before the timed ones, in place of the plan's.
+    #[arg(long, value_name = "FRAMES")]
+    pub warm_up: Option<u32>,
+    /// Timed frames, in place of the plan's.
+    #[arg(long, value_parser = clap::value_parser!(u32).range(2..))]
+    pub frames: Option<u32>,
+    /// Independent runs, in place of the plan's.
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
+    pub replicas: Option<u32>,
+    /// Milliseconds of accumulation, in place of the plan's.
+    #[arg(long, value_name = "MS", value_parser = positive)]
+    pub accumulate: Option<f32>,
+    /// Print the points of the plan and measure nothing.
+    #[arg(long)]
+    pub list: bool,
+    #[command(flatten)]
+    pub device: DeviceArgs,
+}
 
 pub fn run(args: &SweepArgs) -> Result<()> {
     let (mut plan, base) = Plan::read(&args.plan)?;

@@ -1,6 +1,7 @@
 //! Which scene and which camera a command is about.
 
-use super::args::{PictureArgs, SceneArgs, parse_view};
+use super::args::values::parse_view;
+use super::args::{PictureArgs, SceneArgs};
 use crate::error::{Error, Result};
 use crate::scene::animation::Thing;
 use crate::scene::{self, SceneCamera, SceneDescription};
@@ -22,8 +23,8 @@ pub fn load(args: &SceneArgs) -> Result<SceneDescription> {
 }
 
 /// Poses `scene` at the time that the command line asks for, if it does.
-pub fn pose(scene: &mut SceneDescription, args: &PictureArgs) {
-    if let Some(time) = args.time {
+pub fn pose(scene: &mut SceneDescription, time: Option<f64>) {
+    if let Some(time) = time {
         let pose = scene.pose(time);
         scene.apply(&pose);
     }

@@ -1,16 +1,47 @@
 //! `candela`: the viewer.
 
-use super::args::ViewArgs;
+use super::args::values::{parse_size, time};
+use super::args::{DeviceArgs, KnobArgs, SceneArgs};
 use super::{output, view};
 use crate::error::Result;
 use crate::viewer::{Display, Script, Source, Start};
+use clap::Args;
+use glam::UVec2;
+use std::path::PathBuf;
+
+#[derive(Args, Clone, Debug)]
+pub struct ViewArgs {
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    #[command(flatten)]
+    pub device: DeviceArgs,
+    #[command(flatten)]
+    pub knobs: KnobArgs,
+    /// Width x height of the window in pixels.
+    #[arg(long, default_value = "1280x720", value_parser = parse_size)]
+    pub size: UVec2,
+    /// A camera of the scene by name or number, or `x,y,z,tx,ty,tz[,fov]`: position and target in m, vertical field of
+    /// view in degrees.
+    #[arg(long, allow_hyphen_values = true)]
+    pub camera: Option<String>,
+    /// Stops brighter (+) or darker (-) than the automatic exposure.
+    #[arg(long, default_value_t = 0.0, allow_hyphen_values = true)]
+    pub exposure: f32,
+    /// Pose the scene's animations at T seconds [default: at rest].
+    #[arg(long, value_name = "T", value_parser = time)]
+    pub time: Option<f64>,
+    /// Commands that the viewer plays by itself, for tests.
+    #[arg(long, value_name = "FILE", hide = true)]
+    pub script: Option<PathBuf>,
+}
 
 pub fn run(args: &ViewArgs) -> Result<()> {
     let settings = args.knobs.document()?;
     let script = args.script.as_deref().map(Script::read).transpose()?.unwrap_or_default();
     // Without a display nothing else is worth a wait.
     let display = Display::open(args.device.options())?;
-    let scene = view::load_scene(&args.scene)?;
+    let mut scene = view::load_scene(&args.scene)?;
+    view::pose(&mut scene, args.time);
     let camera = view::scene_camera(&scene, args.camera.as_deref())?;
     let device = display.device.clone();
     let source = Source {
@@ -24,6 +55,7 @@ pub fn run(args: &ViewArgs) -> Result<()> {
         source,
         camera,
         settings,
+        time: args.time,
         size: args.size,
         stops: args.exposure,
         script,

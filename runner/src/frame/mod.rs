@@ -4,6 +4,7 @@ pub mod history;
 pub mod pass;
 pub mod passes;
 pub mod pipelines;
+pub mod rays;
 pub mod recorder;
 pub mod renderer;
 pub mod schedule;

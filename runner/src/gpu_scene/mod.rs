@@ -44,6 +44,16 @@ pub struct GpuScene {
 impl GpuScene {
     /// Uploads `scene` and builds its acceleration structures.
     pub fn new(device: &Device, scene: &SceneDescription) -> Result<Self> {
+        Self::staged(device, scene, &mut |_| Ok(()))
+    }
+
+    /// As `new`; `stage` hears what is being done, and may end it by an error.
+    pub fn staged(
+        device: &Device,
+        scene: &SceneDescription,
+        stage: &mut dyn FnMut(&'static str) -> Result<()>,
+    ) -> Result<Self> {
+        stage("buffers and textures")?;
         let lights = startup::timed("lights", || LightTable::new(scene));
         let arrays = startup::timed("geometry", || SceneArrays::new(scene, &lights))?;
         let start = Instant::now();
@@ -69,6 +79,7 @@ impl GpuScene {
         upload.finish()?;
         startup::done("upload", start);
 
+        stage("acceleration structures")?;
         let (positions, indices) = (&buffers[&scene_binding::POSITIONS], &buffers[&scene_binding::INDICES]);
         let geometries = geometries(&arrays, positions, indices);
         let blas = startup::timed("BLAS", || BlasSet::build(device, &geometries))?;

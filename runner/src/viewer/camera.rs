@@ -72,6 +72,12 @@ impl Rig {
         self.fov_y = camera.fov_y;
     }
 
+    /// As a camera of a scene.
+    pub fn camera(&self) -> SceneCamera {
+        let Rig { position, forward, up, fov_y, .. } = *self;
+        SceneCamera { name: String::new(), position, forward, up, fov_y }
+    }
+
     /// The point around which it orbits.
     pub fn center(&self) -> Vec3 {
         self.position + self.distance * self.forward
@@ -163,7 +169,7 @@ impl Rig {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cli::args::parse_view;
+    use crate::cli::args::values::parse_view;
 
     fn rig(style: Style) -> Rig {
         let camera = SceneCamera {

@@ -11,20 +11,30 @@ use shared::statistics::BlockSums;
 #[derive(Default)]
 pub struct ErrorSlot {
     buffer: Option<Buffer>,
-    taken: bool,
+    /// Frames in the mean that was compared; 0: a single frame.
+    taken: Option<u32>,
+}
+
+/// A frame's error.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Measured {
+    /// Frames in the mean; 0: a single frame.
+    pub count: u32,
+    /// Root mean square difference of the luminances over the reference's mean luminance.
+    pub error: f64,
 }
 
 impl ErrorSlot {
-    /// Copies the sums that were recorded just before, if there are any.
+    /// Copies the sums that were recorded just before, of a mean of so many frames, if there are any.
     pub fn record(
         &mut self,
         device: &Device,
         cmd: vk::CommandBuffer,
         history: &History,
-        there: bool,
+        compared: Option<u32>,
     ) -> Result<()> {
-        self.taken = there;
-        if !there {
+        self.taken = compared;
+        if compared.is_none() {
             self.buffer = None;
             return Ok(());
         }
@@ -42,10 +52,10 @@ impl ErrorSlot {
         Ok(())
     }
 
-    /// Root mean square difference of the luminances over the reference's mean luminance, once the frame is done.
-    pub fn read(&self) -> Result<Option<f64>> {
-        let Some(buffer) = self.buffer.as_ref().filter(|_| self.taken) else { return Ok(None) };
-        Ok(relative_rmse(&buffer.read_vec()?))
+    /// What came of it, once the frame is done.
+    pub fn read(&self) -> Result<Option<Measured>> {
+        let (Some(buffer), Some(count)) = (&self.buffer, self.taken) else { return Ok(None) };
+        Ok(relative_rmse(&buffer.read_vec()?).map(|error| Measured { count, error }))
     }
 }
 
@@ -70,5 +80,42 @@ mod tests {
         assert_eq!(error, Some(0.5));
         assert_eq!(relative_rmse(&[block(4.0, 0.0, 0.0)]), None);
         assert_eq!(relative_rmse(&[]), None);
+    }
+
+    /// The window's number is what `candela compare` says of the same two pictures: its RMSE over the reference's mean. Sums
+    /// are in f32, a block at a time, so to 1e-5; a reference that is off by 1 % is seen.
+    #[test]
+    fn it_is_what_compare_says() {
+        use crate::measure::metrics::metrics;
+        use glam::{UVec2, Vec3};
+        use shared::math::luminance;
+        use shared::rng::{Rng, Stream};
+        use shared::statistics::BLOCK;
+        const SIDE: u32 = 100;
+        let pixels = |stream| -> Vec<Vec3> {
+            let pixel = |i| {
+                let bits = Rng::new(UVec2::new(i % SIDE, i / SIDE), 3, 7, stream, 0).next_u32x4();
+                Vec3::new(bits.x as f32, bits.y as f32, bits.z as f32) / u32::MAX as f32
+            };
+            (0..SIDE * SIDE).map(pixel).collect()
+        };
+        let reference = pixels(Stream::Initial);
+        let noise = pixels(Stream::Spatial);
+        let picture: Vec<Vec3> = reference.iter().zip(&noise).map(|(a, b)| 40.0 * (a + 0.2 * b)).collect();
+        let reference: Vec<Vec3> = reference.iter().map(|c| 40.0 * c).collect();
+        let blocks = SIDE.div_ceil(BLOCK);
+        let mut sums = vec![BlockSums::default(); (blocks * blocks) as usize];
+        for i in 0..SIDE * SIDE {
+            let block = (i / SIDE / BLOCK) * blocks + i % SIDE / BLOCK;
+            sums[block as usize].add(picture[i as usize], reference[i as usize]);
+        }
+        let mean = |picture: &[Vec3]| {
+            picture.iter().map(|c| f64::from(luminance(*c))).sum::<f64>() / picture.len() as f64
+        };
+        let said = |reference: &[Vec3]| metrics(&picture, reference).rmse / mean(reference);
+        let error = relative_rmse(&sums).unwrap();
+        assert!((error / said(&reference) - 1.0).abs() < 1e-5 && error > 0.05, "{error}");
+        let off: Vec<Vec3> = reference.iter().map(|c| 1.01 * c).collect();
+        assert!((error / said(&off) - 1.0).abs() > 1e-3);
     }
 }

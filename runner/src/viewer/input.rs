@@ -1,6 +1,7 @@
 //! What a user does, apart from any window system, and what each key means.
 
-use super::knobs::{Knob, Preset, Step};
+use super::knobs::{self, Knob, Step};
+use super::presets::Preset;
 use super::views::View;
 use glam::Vec2;
 use std::path::PathBuf;
@@ -23,6 +24,8 @@ pub enum Input {
     Scroll(f32),
     /// Relative change of two fingers' distance.
     Pinch(f32),
+    /// The display's density has changed: pixels a point.
+    Scale(f32),
     /// The window has lost the keyboard: no key is held any more.
     Unfocused,
     Dropped(PathBuf),
@@ -39,9 +42,9 @@ pub enum Button {
 /// What keys and panels can ask for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Command {
-    Step(Knob, Step),
+    Step(&'static Knob, Step),
     /// A knob's other value, or its next one.
-    Toggle(Knob),
+    Toggle(&'static Knob),
     /// Chooses a knob for the arrow keys.
     SelectKnob(Step),
     StepSelected(Step),
@@ -60,6 +63,14 @@ pub enum Command {
     OrbitOrFly,
     NextCamera(Step),
     Focus,
+    /// Play or pause the scene's animations.
+    Play,
+    StepTime(Step),
+    /// Go where the chosen camera of the file goes.
+    Follow,
+    /// Replay the picked pixel.
+    Explain,
+    CopyExplanation,
     CopyCamera,
     Screenshot,
     Fullscreen,
@@ -90,28 +101,28 @@ const fn bind(
 
 /// All keys but those held to fly.
 pub const BINDINGS: &[Binding] = &[
-    bind(KeyCode::Comma, false, ",", "light samples halved", Command::Step(Knob::Candidates, Step::Down)),
-    bind(KeyCode::Period, false, ".", "light samples doubled", Command::Step(Knob::Candidates, Step::Up)),
-    bind(KeyCode::KeyV, false, "V", "visibility reuse", Command::Toggle(Knob::Visibility)),
-    bind(KeyCode::KeyT, false, "T", "temporal reuse", Command::Toggle(Knob::Temporal)),
-    bind(KeyCode::KeyR, false, "R", "spatial reuse", Command::Toggle(Knob::Spatial)),
-    bind(KeyCode::KeyU, false, "U", "biased or unbiased", Command::Toggle(Knob::Mode)),
+    bind(KeyCode::Comma, false, ",", "light samples halved", Command::Step(&knobs::CANDIDATES, Step::Down)),
+    bind(KeyCode::Period, false, ".", "light samples doubled", Command::Step(&knobs::CANDIDATES, Step::Up)),
+    bind(KeyCode::KeyV, false, "V", "visibility reuse", Command::Toggle(&knobs::VISIBILITY)),
+    bind(KeyCode::KeyT, false, "T", "temporal reuse", Command::Toggle(&knobs::TEMPORAL)),
+    bind(KeyCode::KeyR, false, "R", "spatial reuse", Command::Toggle(&knobs::SPATIAL)),
+    bind(KeyCode::KeyU, false, "U", "biased or unbiased", Command::Toggle(&knobs::MODE)),
     bind(
         KeyCode::BracketLeft,
         false,
         "[",
         "one spatial iteration less",
-        Command::Step(Knob::Iterations, Step::Down),
+        Command::Step(&knobs::ITERATIONS, Step::Down),
     ),
     bind(
         KeyCode::BracketRight,
         false,
         "]",
         "one spatial iteration more",
-        Command::Step(Knob::Iterations, Step::Up),
+        Command::Step(&knobs::ITERATIONS, Step::Up),
     ),
-    bind(KeyCode::KeyN, false, "N", "one neighbor more", Command::Step(Knob::Neighbors, Step::Up)),
-    bind(KeyCode::KeyN, true, "Shift N", "one neighbor less", Command::Step(Knob::Neighbors, Step::Down)),
+    bind(KeyCode::KeyN, false, "N", "one neighbor more", Command::Step(&knobs::NEIGHBORS, Step::Up)),
+    bind(KeyCode::KeyN, true, "Shift N", "one neighbor less", Command::Step(&knobs::NEIGHBORS, Step::Down)),
     bind(KeyCode::ArrowUp, false, "Up", "the knob above", Command::SelectKnob(Step::Down)),
     bind(KeyCode::ArrowDown, false, "Down", "the knob below", Command::SelectKnob(Step::Up)),
     bind(KeyCode::ArrowLeft, false, "Left", "less of the chosen knob", Command::StepSelected(Step::Down)),
@@ -135,6 +146,11 @@ pub const BINDINGS: &[Binding] = &[
     bind(KeyCode::KeyC, false, "C", "next camera of the scene", Command::NextCamera(Step::Up)),
     bind(KeyCode::KeyC, true, "Shift C", "copy the camera as a command line", Command::CopyCamera),
     bind(KeyCode::KeyF, false, "F", "go to the clicked point", Command::Focus),
+    bind(KeyCode::KeyI, false, "I", "explain the clicked pixel", Command::Explain),
+    bind(KeyCode::Space, false, "Space", "play or pause", Command::Play),
+    bind(KeyCode::KeyJ, false, "J", "1/24 s back", Command::StepTime(Step::Down)),
+    bind(KeyCode::KeyK, false, "K", "1/24 s on", Command::StepTime(Step::Up)),
+    bind(KeyCode::KeyY, false, "Y", "follow the file's camera", Command::Follow),
     bind(KeyCode::F12, false, "F12", "save picture, radiance and settings", Command::Screenshot),
     bind(KeyCode::F11, false, "F11", "fullscreen", Command::Fullscreen),
     bind(KeyCode::F10, false, "F10", "next present mode", Command::PresentMode),
@@ -180,7 +196,7 @@ mod tests {
     fn shift_makes_another_key_only_where_it_is_bound() {
         assert_eq!(command(KeyCode::KeyC, true), Some(Command::CopyCamera));
         assert_eq!(command(KeyCode::KeyC, false), Some(Command::NextCamera(Step::Up)));
-        assert_eq!(command(KeyCode::KeyV, true), Some(Command::Toggle(Knob::Visibility)));
+        assert_eq!(command(KeyCode::KeyV, true), Some(Command::Toggle(&knobs::VISIBILITY)));
         assert_eq!(command(KeyCode::KeyW, false), None);
     }
 }

@@ -1,10 +1,13 @@
-//! The viewer: a window on a scene. Reading order: `input`, `knobs`, `views`, `camera` and `state` know no window and no
-//! device; `loader` reads scenes beside the frames; `frames` says what is rendered, `gui` and `screen` show it, `panels`
-//! lay out the interface; `app` ties them to winit.
+//! The viewer: a window on a scene. Reading order: `input`, `knobs`, `views`, `camera`, `timeline` and `state` know no window
+//! and no device; `frames` says what is rendered, `loader` makes those of another scene and `explaining` replays a pixel
+//! beside the window; `readings` is what frames tell; `gui` and `screen` show them, `panels` lay out the interface;
+//! `running` is the window, `app` and `events` tie it to winit.
 
 mod app;
 mod camera;
 mod error;
+mod events;
+mod explaining;
 mod frames;
 mod gui;
 mod input;
@@ -12,17 +15,23 @@ mod knobs;
 mod loader;
 mod notices;
 mod panels;
+mod presets;
 mod probe;
+mod readings;
 mod reference;
+mod running;
 mod screen;
 mod screenshot;
 mod script;
+mod source;
 mod state;
+mod timeline;
 mod timings;
+mod trail;
 mod views;
 
-pub use loader::Source;
 pub use script::Script;
+pub use source::Source;
 
 use crate::error::{Error, Result};
 use crate::scene::{SceneCamera, SceneDescription};
@@ -39,6 +48,8 @@ pub struct Start {
     pub source: Source,
     pub camera: SceneCamera,
     pub settings: SettingsFile,
+    /// Of the scene's animations, s; none: at rest.
+    pub time: Option<f64>,
     /// Of the window, pixels.
     pub size: UVec2,
     /// Stops from the automatic exposure.

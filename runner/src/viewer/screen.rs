@@ -99,6 +99,11 @@ impl Screen {
         Ok(true)
     }
 
+    /// Has a picture been shown since its size last changed?
+    pub fn has_picture(&self) -> bool {
+        self.picture.is_some()
+    }
+
     /// The next image, for the frame in flight `slot`; `None`: leave this frame out.
     pub fn acquire(&mut self, slot: usize) -> Result<Option<Acquired>> {
         let Some(swapchain) = &self.swapchain else { return Ok(None) };
@@ -108,6 +113,7 @@ impl Screen {
     }
 
     /// Copies the parts (RGBA8, `size` pixels each, first columns first) to the window's image, then draws the interface.
+    /// Without parts the last picture stays.
     pub fn record(
         &mut self,
         cmd: vk::CommandBuffer,
@@ -117,11 +123,14 @@ impl Screen {
         parts: &[Part],
     ) -> Result<()> {
         let Some(swapchain) = &self.swapchain else { return Ok(()) };
-        if self.picture.as_ref().map(Image::size) != Some((size.x, size.y)) {
+        let fits = self.picture.as_ref().map(Image::size) == Some((size.x, size.y));
+        if !fits && !parts.is_empty() {
             self.picture = Some(picture(&self.device, size, swapchain.encodes_srgb())?);
         }
         if let Some(picture) = &self.picture {
-            self.device.record_parts(cmd, picture, size, parts);
+            if !parts.is_empty() {
+                self.device.record_parts(cmd, picture, size, parts);
+            }
             self.device.record_blit(cmd, picture, swapchain, image.index);
         }
         if let Some(gui) = &mut self.gui {

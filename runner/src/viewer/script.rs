@@ -8,16 +8,21 @@
 //! scroll NOTCHES
 //! knobs                every knob to its other value, a frame each
 //! resize W H           ask for another window size
+//! scale F              as if the display's density had changed
+//! minimise             as if the window had no area
 //! drop FILE            as if dropped on the window
-//! loaded               wait until nothing is being loaded
-//! expect WHAT TEXT     scene, error, size, candidates; an empty TEXT is nothing at all
+//! loaded               wait until nothing is being loaded or explained
+//! expect WHAT TEXT     scene, source, error, size, ... (`running/checks.rs`); an empty TEXT is nothing at all
+//! await WHAT TEXT      let frames pass until it is so
+//! say TEXT             a line on standard output
 //! save DIRECTORY       a screenshot
 //! fail lost|memory     as if the device had failed so
+//! fail upload          the next scene's upload runs out of memory
 //! close
 //! ```
 
 use super::input::{Button, Command, Input, KeyCode};
-use super::knobs::Knob;
+use super::knobs;
 use crate::error::{Error, Result};
 use glam::{UVec2, Vec2};
 use std::collections::VecDeque;
@@ -27,8 +32,13 @@ use std::path::{Path, PathBuf};
 pub enum Event {
     Input(Input),
     Resize(UVec2),
+    Scale(f32),
+    Minimise,
+    Say(String),
     Expect(String),
+    Await(String),
     Save(PathBuf),
+    FailUpload(Error),
     Fail(Error),
 }
 
@@ -45,7 +55,12 @@ pub struct Script {
     lines: VecDeque<Line>,
     /// Frames to pass before the next line.
     wait: u32,
+    /// Frames that have passed for an `await`.
+    patience: u32,
 }
+
+/// Frames that an `await` may take.
+const MOST: u32 = 100_000;
 
 impl Script {
     pub fn read(path: &Path) -> Result<Script> {
@@ -67,7 +82,7 @@ impl Script {
             let parsed = parse_line(&words).ok_or(format!("line {}: can't read '{line}'", number + 1))?;
             lines.extend(parsed);
         }
-        Ok(Script { lines, wait: 0 })
+        Ok(Script { lines, ..Script::default() })
     }
 
     /// The next thing to do before this frame, if any. `busy`: something is being loaded.
@@ -83,6 +98,17 @@ impl Script {
             }
         }
         None
+    }
+
+    /// It was too early for `event`: once more after the next frame.
+    pub fn again(&mut self, event: Event) -> Result<()> {
+        self.patience += 1;
+        if self.patience > MOST {
+            return Err(Error::Usage(format!("script: {event:?} in vain")));
+        }
+        self.lines.push_front(Line::Event(event));
+        self.wait = 1;
+        Ok(())
     }
 
     /// A frame has been shown.
@@ -106,8 +132,8 @@ fn parse_line(words: &[&str]) -> Option<Vec<Line>> {
         "drag" => inputs(dragged(button(words.get(1)?)?, point(2)?, point(4)?)),
         "scroll" => inputs(vec![Input::Scroll(number(1)?)]),
         "knobs" => Some(
-            Knob::ALL
-                .into_iter()
+            knobs::ALL
+                .iter()
                 .flat_map(|knob| {
                     let toggle = Input::Command(Command::Toggle(knob));
                     [Line::Event(Event::Input(toggle)), Line::Frames(1)]
@@ -116,16 +142,25 @@ fn parse_line(words: &[&str]) -> Option<Vec<Line>> {
         ),
         "resize" => one(Event::Resize(point(1)?.as_uvec2())),
         "drop" => inputs(vec![Input::Dropped(rest.into())]),
+        "scale" => one(Event::Scale(number(1)?)),
+        "minimise" => one(Event::Minimise),
+        "say" => one(Event::Say(rest)),
+        "await" => one(Event::Await(rest)),
         "expect" => one(Event::Expect(rest)),
         "save" => one(Event::Save(rest.into())),
-        "fail" => one(Event::Fail(match rest.as_str() {
-            "lost" => Error::DeviceLost("frame".into()),
-            "memory" => Error::OutOfMemory { what: "buffer 'radiance'".into(), bytes: 1, device: "the GPU" },
+        "fail" => one(match rest.as_str() {
+            "lost" => Event::Fail(Error::DeviceLost("frame".into())),
+            "memory" => Event::Fail(out_of_memory("buffer 'radiance'")),
+            "upload" => Event::FailUpload(out_of_memory("acceleration structures")),
             _ => return None,
-        })),
+        }),
         "close" => inputs(vec![Input::Command(Command::Quit)]),
         _ => None,
     }
+}
+
+fn out_of_memory(what: &str) -> Error {
+    Error::OutOfMemory { what: what.into(), bytes: 1, device: "the GPU" }
 }
 
 /// Pressed in this order, released in the other.
@@ -188,6 +223,20 @@ mod tests {
     }
 
     #[test]
+    fn what_is_awaited_comes_after_frames() {
+        let mut script = Script::parse("await scale 2\nclose\n").unwrap();
+        for _ in 0..3 {
+            let event = script.next(false).unwrap();
+            assert!(matches!(&event, Event::Await(what) if what == "scale 2"));
+            script.again(event).unwrap();
+            assert!(script.next(false).is_none());
+            script.frame_done();
+        }
+        assert!(script.next(false).is_some());
+        assert!(matches!(script.next(false), Some(Event::Input(Input::Command(Command::Quit)))));
+    }
+
+    #[test]
     fn nonsense_names_its_line() {
         for line in ["dance", "key KeyNope", "frames", "click 3", "drag up 1 2 3 4", "fail well"] {
             let error = Script::parse(&format!("frames 1\n{line}")).unwrap_err();
@@ -203,6 +252,6 @@ mod tests {
             count += u32::from(script.next(false).is_some());
             script.frame_done();
         }
-        assert_eq!(count, Knob::ALL.len() as u32);
+        assert_eq!(count as usize, knobs::ALL.len());
     }
 }

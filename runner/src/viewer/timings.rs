@@ -1,5 +1,7 @@
 //! GPU times of passes over the last frames.
 
+use crate::frame::pass::Pass;
+use crate::frame::passes;
 use crate::frame::renderer::StepTimes;
 use crate::measure::times::median;
 use std::collections::VecDeque;
@@ -12,6 +14,17 @@ const WINDOW: usize = 120;
 pub struct Timings {
     passes: Vec<(&'static str, VecDeque<f64>)>,
     frames: VecDeque<f64>,
+    /// Without what only looks at them.
+    rendering: VecDeque<f64>,
+}
+
+/// Passes that look at a frame: they are no part of what it costs.
+const LOOKS: [&Pass; 3] = [&passes::accumulate::PASS, &passes::view::PASS, &passes::statistics::PASS];
+
+/// Time that one frame's steps take without those that look at it, ms.
+pub fn rendering(steps: &StepTimes) -> f64 {
+    let looks = |stem: &str| LOOKS.iter().any(|pass| pass.stem == stem);
+    steps.iter().filter(|(stem, _)| !looks(stem)).map(|(_, ms)| ms).sum()
 }
 
 /// Of one pass over the window, ms.
@@ -40,6 +53,7 @@ impl Timings {
             push(times, sum);
         }
         push(&mut self.frames, steps.iter().map(|(_, ms)| ms).sum());
+        push(&mut self.rendering, rendering(steps));
     }
 
     /// Of each pass, in the order of the frame.
@@ -52,8 +66,9 @@ impl Timings {
         (!self.frames.is_empty()).then(|| summary("frame", &self.frames))
     }
 
-    pub fn clear(&mut self) {
-        *self = Timings::default();
+    /// Of frames without what only looks at them.
+    pub fn rendering(&self) -> Option<Summary> {
+        (!self.rendering.is_empty()).then(|| summary("rendering", &self.rendering))
     }
 }
 
@@ -101,5 +116,13 @@ mod tests {
         }
         let stems: Vec<_> = timings.passes().iter().map(|s| (s.stem, s.p95)).collect();
         assert_eq!(stems, [("c", 2.0), ("b", 1.0)]);
+    }
+
+    #[test]
+    fn looks_cost_no_rendering() {
+        let mut timings = Timings::default();
+        timings.add(&vec![("shade", 2.0), ("accumulate", 8.0), ("view", 1.0), ("tonemap", 1.0)]);
+        let medians = [timings.frame(), timings.rendering()].map(|summary| summary.map(|s| s.median));
+        assert_eq!(medians, [Some(12.0), Some(3.0)]);
     }
 }

@@ -1,19 +1,25 @@
 //! The picked pixel: its surface, its reservoirs, its light.
 
 use super::Info;
-use crate::viewer::state::State;
+use crate::viewer::input::Command;
+use crate::viewer::state::{Action, State};
 use egui::Ui;
 use glam::Vec3;
 
-pub fn show(ui: &mut Ui, state: &mut State, info: &Info) {
+pub fn show(ui: &mut Ui, state: &mut State, info: &Info, actions: &mut Vec<Action>) {
     let Some(pixel) = state.picked else { return };
     ui.horizontal(|ui| {
         ui.label(format!("pixel {}, {}", pixel.x, pixel.y));
+        let explain =
+            ui.small_button("explain").on_hover_text("Replay this pixel of the next frame on the CPU (I)");
+        if explain.clicked() {
+            actions.extend(state.command(Command::Explain));
+        }
         if ui.small_button("close").clicked() {
             state.picked = None;
         }
     });
-    let Some(probe) = info.probe else { return };
+    let Some(probe) = &info.readings.probe else { return };
     let rgb = |v: Vec3| format!("{:.4} {:.4} {:.4}", v.x, v.y, v.z);
     let mut lines = vec![("radiance, nit", rgb(probe.radiance))];
     match &probe.surface {

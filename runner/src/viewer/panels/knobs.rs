@@ -1,7 +1,8 @@
 //! Presets and every knob, with what it means.
 
 use crate::viewer::input::Command;
-use crate::viewer::knobs::{Knob, Preset, Step};
+use crate::viewer::knobs::{self, Knob, Step};
+use crate::viewer::presets::Preset;
 use crate::viewer::state::{Action, State};
 use crate::viewer::views::Split;
 use egui::{Color32, Grid, RichText, Ui};
@@ -25,7 +26,7 @@ pub fn show(ui: &mut Ui, state: &mut State, actions: &mut Vec<Action>) {
         });
     }
     Grid::new("knobs").num_columns(2).striped(true).show(ui, |ui| {
-        for (i, knob) in Knob::ALL.into_iter().enumerate() {
+        for (i, knob) in knobs::ALL.iter().enumerate() {
             row(ui, knob, i == state.selected, state, &mut commands);
             ui.end_row();
         }
@@ -33,15 +34,14 @@ pub fn show(ui: &mut Ui, state: &mut State, actions: &mut Vec<Action>) {
     actions.extend(commands.into_iter().filter_map(|command| state.command(command)));
 }
 
-fn row(ui: &mut Ui, knob: Knob, selected: bool, state: &State, commands: &mut Vec<Command>) {
-    let about = knob.about();
-    let name = RichText::new(about.name);
+fn row(ui: &mut Ui, knob: &'static Knob, selected: bool, state: &State, commands: &mut Vec<Command>) {
+    let name = RichText::new(knob.name);
     let name = if selected { name.color(Color32::LIGHT_BLUE) } else { name };
     ui.label(name).on_hover_ui(|ui| {
-        ui.strong(about.name);
-        ui.label(about.meaning);
+        ui.strong(knob.name);
+        ui.label(knob.meaning);
         for (what, text) in
-            [("Unit", about.unit), ("Higher", about.higher), ("Lower", about.lower), ("Bias", about.bias)]
+            [("Unit", knob.unit), ("Higher", knob.higher), ("Lower", knob.lower), ("Bias", knob.bias)]
         {
             ui.label(format!("{what}: {text}"));
         }

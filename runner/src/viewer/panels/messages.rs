@@ -11,10 +11,10 @@ pub fn show(ui: &mut Ui, info: &mut Info) {
     }
     let mut closed = None;
     Panel::bottom("messages").show(ui, |ui| {
-        if let Some((what, seconds)) = loading {
-            ui.horizontal(|ui| {
+        if let Some((what, stage, seconds)) = loading {
+            ui.horizontal_wrapped(|ui| {
                 ui.spinner();
-                ui.label(format!("loading {what} ({seconds:.0} s)"));
+                ui.label(format!("loading {what}: {stage} ({seconds:.0} s)"));
             });
         }
         for (i, notice) in notices.iter().enumerate() {

@@ -1,7 +1,9 @@
-//! The interface: one panel at the left with sections, messages at the bottom, the help over all.
+//! The interface: one panel at the left with sections, messages at the bottom, explanation and help over all.
 
+mod animation;
 mod camera;
 mod error;
+mod explanation;
 mod help;
 mod inspector;
 mod knobs;
@@ -9,31 +11,30 @@ mod messages;
 mod picture;
 mod times;
 
-use super::app::SceneFacts;
+use super::explaining::Answer;
+use super::frames::FrameFacts;
 use super::notices::Notices;
-use super::probe::Probe;
+use super::readings::Readings;
+use super::running::SceneFacts;
 use super::state::{Action, State};
-use super::timings::Timings;
 use super::views::Split;
 use crate::vulkan::Device;
 use ash::vk;
 use egui::{CollapsingHeader, Color32, Panel, ScrollArea, Ui};
+use glam::UVec2;
 
 /// What the panels tell.
 pub struct Info<'a> {
     pub scene: &'a SceneFacts,
     pub device: &'a Device,
-    pub timings: &'a Timings,
-    pub probe: Option<&'a Probe>,
-    /// Of what is on screen, relative to the reference.
-    pub error: Option<f64>,
-    /// Frames in the mean, and whole sums in the reference's.
-    pub counts: (u32, Option<u32>),
+    pub readings: &'a Readings,
+    pub facts: FrameFacts,
     pub mode: vk::PresentModeKHR,
-    /// Device memory of the picture-sized buffers, bytes.
-    pub picture_bytes: u64,
-    /// What is being loaded, and for how many seconds.
-    pub loading: Option<(String, f32)>,
+    /// What is being loaded, what is being done for it, and for how many seconds.
+    pub loading: Option<(String, &'static str, f32)>,
+    /// The pixel that is being explained, and for how many seconds.
+    pub explaining: Option<(UVec2, f32)>,
+    pub answer: &'a mut Option<Answer>,
     pub notices: &'a mut Notices,
 }
 
@@ -42,21 +43,26 @@ pub fn show(ui: &mut Ui, state: &mut State, info: &mut Info, actions: &mut Vec<A
     divider(ui, state);
     messages::show(ui, info);
     if state.panels {
-        Panel::left("panel").resizable(false).exact_size(270.0).show(ui, |ui| {
+        Panel::left("panel").resizable(false).exact_size(280.0).show(ui, |ui| {
+            ui.spacing_mut().slider_width = 90.0;
             ScrollArea::vertical().show(ui, |ui| {
                 section(ui, "Knobs", true, |ui| knobs::show(ui, state, actions));
                 section(ui, "Picture", true, |ui| picture::show(ui, state, info, actions));
+                if state.picked.is_some() {
+                    section(ui, "Pixel", true, |ui| inspector::show(ui, state, info, actions));
+                }
                 if state.needs_reference() {
                     section(ui, "Error", true, |ui| error::show(ui, state, info));
                 }
                 section(ui, "Times", true, |ui| times::show(ui, info));
-                section(ui, "Camera", false, |ui| camera::show(ui, state, actions));
-                if state.picked.is_some() {
-                    section(ui, "Pixel", true, |ui| inspector::show(ui, state, info));
+                if state.timeline.duration() > 0.0 {
+                    section(ui, "Animation", true, |ui| animation::show(ui, state, actions));
                 }
+                section(ui, "Camera", false, |ui| camera::show(ui, state, actions));
             });
         });
     }
+    explanation::show(ui, state, info, actions);
     if state.help {
         help::show(ui, state);
     }

@@ -31,14 +31,15 @@ pub fn show(ui: &mut Ui, state: &mut State, info: &Info, actions: &mut Vec<Actio
     if state.split != Split::Off {
         ui.add(Slider::new(&mut state.divider, 0.0..=1.0).text("Divider").show_value(false));
     }
-    ui.add(Slider::new(&mut state.stops, -8.0..=8.0).step_by(0.5).text("Exposure, stops"));
+    ui.add(Slider::new(&mut state.stops, -8.0..=8.0).step_by(0.5).text("Stops"))
+        .on_hover_text("Brighter or darker than the automatic exposure");
     ui.horizontal(|ui| {
         if ui.checkbox(&mut state.accumulate, "Accumulate").on_hover_text("The mean of all frames").clicked()
         {
             state.restarts += 1;
         }
         if state.accumulate {
-            ui.weak(format!("{} frames", info.counts.0));
+            ui.weak(format!("{} frames", info.facts.counts.0));
         }
     });
     ui.horizontal(|ui| {

@@ -1,49 +1,57 @@
-//! What is rendered for the window: one history of frames, or two side by side, and the reference where it is asked for.
+//! What is rendered for the window: a scene, one history of frames, or two side by side, and the reference where it is asked
+//! for.
+
+mod explain;
+mod side;
+
+pub use explain::Question;
 
 use super::error::ErrorSlot;
-use super::probe::{Probe, ProbeSlot};
+use super::probe::ProbeSlot;
+use super::readings::Readback;
 use super::reference::Reference;
 use super::state::State;
 use super::views::{Split, View};
 use crate::error::Result;
 use crate::exposure;
 use crate::frame::history::History;
-use crate::frame::pass::{BufferId, Pass};
+use crate::frame::pass::BufferId;
 use crate::frame::passes;
+use crate::frame::rays;
 use crate::frame::recorder::{FrameOptions, Recorder};
-use crate::frame::renderer::{MAX_TIMESTAMPS, StepTimes};
+use crate::frame::renderer::MAX_TIMESTAMPS;
 use crate::frame::schedule::Work;
 use crate::gpu_scene::GpuScene;
+use crate::scene::animation::Pose;
+use crate::scene::{SceneCamera, SceneDescription};
 use crate::settings_file::SettingsFile;
 use crate::vulkan::{Buffer, Device, Timestamps};
 use ash::vk;
 use glam::{UVec2, Vec3};
 use shared::camera::Camera;
+use shared::frame::Settings;
 use shared::interface::PassConstants;
-use shared::view::kind;
+use side::Side;
 
 /// The scene and what its frames need. Nothing may be in flight when it is dropped or fitted.
 pub struct Frames {
     device: Device,
+    scene: SceneDescription,
+    /// The time of the scene's pose, s; none: at rest.
+    posed: Option<f64>,
+    /// What has moved since the last recorded frame.
+    moved: Option<Pose>,
     recorder: Recorder,
     left: Side,
     right: Option<Side>,
     reference: Option<Reference>,
     slots: Vec<Slot>,
-    /// Camera and commands that the means stand for.
-    seen: Option<(Camera, u32)>,
-    /// Factor from nit to display values, without the user's stops; 0 until a first frame has been seen.
+    /// What the means stand for.
+    seen: Option<Seen>,
+    /// Factor from nit to display values, without the user's stops.
     exposure: f32,
     /// Of the scene, m.
     radius: f32,
-}
-
-/// Frames of one settings.
-struct Side {
-    history: History,
-    /// What the mean stands for, and how many frames it has.
-    settings: Option<SettingsFile>,
-    count: u32,
 }
 
 /// What a frame in flight has for itself.
@@ -53,8 +61,32 @@ struct Slot {
     reference: Timestamps,
     probe: ProbeSlot,
     error: ErrorSlot,
-    /// The slot has been used: there are times to read.
-    used: bool,
+    /// Frames in the mean with the slot's frame; none: there is nothing to read.
+    count: Option<u32>,
+}
+
+/// Camera, time of the scene, and how often the user has said "again".
+type Seen = (Camera, Option<f64>, u32);
+
+/// What the first frame of a scene is made with.
+pub struct First {
+    /// Pixels.
+    pub size: UVec2,
+    pub camera: SceneCamera,
+    pub settings: SettingsFile,
+    /// Time of the scene, s; none: at rest.
+    pub time: Option<f64>,
+}
+
+/// What the panels say of the frames.
+#[derive(Clone, Copy, Default)]
+pub struct FrameFacts {
+    /// Frames in the mean, and whole sums in the reference's.
+    pub counts: (u32, Option<u32>),
+    /// Device memory of the picture-sized buffers, bytes.
+    pub picture_bytes: u64,
+    /// Rays a pixel and a frame of the left side, at most.
+    pub rays: (u64, u64),
 }
 
 /// What is on screen.
@@ -64,95 +96,114 @@ pub struct Shown<'a> {
     pub right: Option<&'a Buffer>,
 }
 
-impl Side {
-    fn new(device: &Device, size: UVec2, reservoirs: u32) -> Result<Side> {
-        Ok(Side { history: History::new(device, size, reservoirs)?, settings: None, count: 0 })
+impl Slot {
+    fn new(device: &Device) -> Result<Slot> {
+        let timestamps = || Timestamps::new(device, MAX_TIMESTAMPS);
+        Ok(Slot {
+            left: timestamps()?,
+            right: timestamps()?,
+            reference: timestamps()?,
+            probe: ProbeSlot::new(device)?,
+            error: ErrorSlot::default(),
+            count: None,
+        })
     }
-
-    fn fits(&self, state: &State, side: usize, size: UVec2) -> bool {
-        self.history.size() == size
-            && self.history.reservoirs() >= state.settings[side].reservoirs
-            && (self.history.has_mean() || !looks_closer(state))
-    }
-
-    fn fit(&mut self, device: &Device, state: &State, side: usize, size: UVec2) -> Result<()> {
-        let reservoirs = state.settings[side].reservoirs;
-        if self.history.size() != size || self.history.reservoirs() < reservoirs {
-            *self = Side::new(device, size, reservoirs)?;
-        }
-        if looks_closer(state) { self.history.make_mean(device) } else { Ok(()) }
-    }
-
-    /// The mean starts anew with other settings.
-    fn follow(&mut self, settings: &SettingsFile) {
-        if self.settings.as_ref() != Some(settings) {
-            self.settings = Some(settings.clone());
-            self.count = 0;
-        }
-    }
-
-    /// Passes after the frame: its mean, and what is shown instead of it.
-    fn looks(&mut self, state: &State, radius: f32) -> Vec<(&'static Pass, PassConstants)> {
-        let mut looks = Vec::new();
-        self.count = if state.accumulate { self.count + 1 } else { 0 };
-        let constants = PassConstants { count: self.count, scale: radius, ..PassConstants::default() };
-        if state.accumulate {
-            looks.push((&passes::accumulate::PASS, constants));
-        }
-        let mean = (state.accumulate && state.view == View::Final).then_some(kind::MEAN);
-        if let Some(view) = state.view.kind().or(mean) {
-            looks.push((&passes::view::PASS, PassConstants { view, ..constants }));
-        }
-        looks
-    }
-}
-
-/// Does any pass follow the frame that needs a mean or sums?
-fn looks_closer(state: &State) -> bool {
-    state.accumulate || state.error || state.view.kind().is_some()
 }
 
 impl Frames {
-    /// `radius`: of the scene, m.
-    pub fn new(device: &Device, scene: GpuScene, size: UVec2, slots: usize, radius: f32) -> Result<Frames> {
-        let timestamps = || Timestamps::new(device, MAX_TIMESTAMPS);
-        let slot = |_| {
-            Ok(Slot {
-                left: timestamps()?,
-                right: timestamps()?,
-                reference: timestamps()?,
-                probe: ProbeSlot::new(device)?,
-                error: ErrorSlot::default(),
-                used: false,
-            })
-        };
-        Ok(Frames {
-            recorder: Recorder::new(device, scene)?,
-            left: Side::new(device, size, 1)?,
+    /// Uploads `scene` and renders its first frame: its pipelines are made and its exposure is chosen then. `stage` hears
+    /// what is being done, and may end it by an error.
+    pub fn new(
+        device: &Device,
+        scene: SceneDescription,
+        slots: usize,
+        first: &First,
+        stage: &mut dyn FnMut(&'static str) -> Result<()>,
+    ) -> Result<Frames> {
+        let gpu_scene = GpuScene::staged(device, &scene, stage)?;
+        stage("first frame")?;
+        let slots = (0..slots).map(|_| Slot::new(device)).collect::<Result<_>>()?;
+        let mut frames = Frames {
+            recorder: Recorder::new(device, gpu_scene)?,
+            left: Side::new(device, first.size, first.settings.reservoirs)?,
             right: None,
             reference: None,
-            slots: (0..slots).map(slot).collect::<Result<_>>()?,
+            slots,
             seen: None,
             exposure: 0.0,
-            radius,
+            radius: scene.bounds().radius(),
+            posed: None,
+            moved: None,
+            scene,
             device: device.clone(),
-        })
+        };
+        frames.render_first(first)?;
+        Ok(frames)
+    }
+
+    fn render_first(&mut self, first: &First) -> Result<()> {
+        self.pose(first.time);
+        self.move_scene()?;
+        let view = &first.camera;
+        let camera = Camera::new(view.position, view.forward, view.up, view.fov_y, first.size);
+        let options = options(self.settings(&first.settings), 1.0);
+        let Frames { device, recorder, left, slots, .. } = self;
+        let Some(slot) = slots.first_mut() else { return Ok(()) };
+        device.submit_once("first frame", |cmd| {
+            recorder.record(cmd, &mut left.history, camera, &options, &mut slot.left)
+        })?;
+        self.expose()
+    }
+
+    pub fn scene(&self) -> &SceneDescription {
+        &self.scene
+    }
+
+    pub fn light_count(&self) -> u32 {
+        self.recorder.scene().light_count()
+    }
+
+    /// `file` for this scene.
+    fn settings(&self, file: &SettingsFile) -> Settings {
+        file.settings(self.light_count())
+    }
+
+    /// The next frame shows the scene as it is at `time`, s; none: as it is.
+    pub fn pose(&mut self, time: Option<f64>) {
+        let Some(time) = time.filter(|&time| self.posed != Some(time)) else { return };
+        let pose = self.scene.pose(time);
+        self.scene.apply(&pose);
+        self.posed = Some(time);
+        if self.scene.animation.moves_things() {
+            self.moved = Some(pose);
+        }
+    }
+
+    /// Brings what has moved to the device.
+    fn move_scene(&mut self) -> Result<()> {
+        match self.moved.take() {
+            Some(pose) => self.recorder.update_scene(&self.scene, &pose),
+            None => Ok(()),
+        }
     }
 
     pub fn size(&self) -> UVec2 {
         self.left.history.size()
     }
 
-    /// Device memory of the picture-sized buffers, bytes.
-    pub fn bytes(&self) -> u64 {
-        let right = self.right.as_ref().map_or(0, |side| side.history.bytes());
-        let reference = self.reference.as_ref().map_or(0, |reference| reference.history.bytes());
-        self.left.history.bytes() + right + reference
-    }
-
-    /// Frames in the mean, and whole sums in the reference's.
-    pub fn counts(&self) -> (u32, Option<u32>) {
-        (self.left.count, self.reference.as_ref().map(|reference| reference.count))
+    /// What the panels say of the next frame of `state`.
+    pub fn facts(&self, state: &State) -> FrameFacts {
+        let reference = self.reference.as_ref();
+        let histories =
+            [Some(&self.left), self.right.as_ref()].into_iter().flatten().map(|side| &side.history);
+        let histories = histories.chain(reference.map(|reference| &reference.history));
+        let settings = self.settings(&state.settings[0]);
+        let rays = rays::most(&settings, self.recorder.scene().features());
+        FrameFacts {
+            counts: (self.left.count, reference.map(|reference| reference.count)),
+            picture_bytes: histories.map(History::bytes).sum(),
+            rays: (rays, rays * u64::from(self.size().x) * u64::from(self.size().y)),
+        }
     }
 
     /// Are the buffers there that the next frame of `state` needs, and no more? Else `fit` has to make them first.
@@ -191,19 +242,22 @@ impl Frames {
         Ok(())
     }
 
-    /// Milliseconds of the passes of the left side, of the frame that used `slot` last and is done by now.
-    pub fn times(&self, slot: usize) -> Result<Option<StepTimes>> {
-        if self.slots[slot].used { self.slots[slot].left.read() } else { Ok(None) }
+    /// What the frame that used `slot` last, and is done by now, has left; once.
+    pub fn read(&mut self, slot: usize) -> Result<Option<Readback>> {
+        let slot = &mut self.slots[slot];
+        let Some(count) = slot.count.take() else { return Ok(None) };
+        let (times, probe, error) = (slot.left.read()?, slot.probe.read()?, slot.error.read()?);
+        Ok(Some(Readback { times, probe, error, count }))
     }
 
-    /// What the frame that used `slot` last, and is done by now, had at the picked pixel.
-    pub fn probe(&self, slot: usize) -> Result<Option<Probe>> {
-        self.slots[slot].probe.read()
-    }
-
-    /// The error of the frame that used `slot` last, relative; none without a reference.
-    pub fn error(&self, slot: usize) -> Result<Option<f64>> {
-        self.slots[slot].error.read()
+    /// What all frames have left that are not read yet, earliest first; they must be done.
+    pub fn read_all(&mut self) -> Result<Vec<Readback>> {
+        let mut all = Vec::new();
+        for slot in 0..self.slots.len() {
+            all.extend(self.read(slot)?);
+        }
+        all.sort_by_key(|readback| readback.count);
+        Ok(all)
     }
 
     /// The pass that a lost frame was in, as far as the device has told.
@@ -215,7 +269,7 @@ impl Frames {
 
     /// Means and reference start again where the camera has moved or the user has said so.
     fn follow(&mut self, state: &State, camera: Camera) {
-        let seen = Some((camera, state.restarts));
+        let seen = Some((camera, self.posed, state.restarts));
         if self.seen != seen {
             self.seen = seen;
             self.left.count = 0;
@@ -236,21 +290,20 @@ impl Frames {
     pub fn record(&mut self, cmd: vk::CommandBuffer, slot: usize, state: &State) -> Result<Shown<'_>> {
         let camera = camera(state, self.size());
         self.follow(state, camera);
+        self.move_scene()?;
         let exposure = self.exposure(state);
         let budget = reference_rays(self.device.info().kind);
-        let lights = self.recorder.scene().light_count();
-        let work = |side: usize| Work::Restir(state.settings[side].settings(lights));
-        let options = |work| FrameOptions { work, seed: 0, exposure, background: Vec3::ZERO };
+        let [first, second] = [0, 1].map(|side| options(self.settings(&state.settings[side]), exposure));
 
         let Frames { device, recorder, left, right, reference, slots, radius, .. } = self;
         let slot = &mut slots[slot];
-        slot.used = true;
         if let Some(reference) = reference {
             reference.record(cmd, recorder, camera, exposure, budget, &mut slot.reference)?;
         }
         let truth = reference.as_ref().map(|reference| &reference.history);
-        recorder.record(cmd, &mut left.history, camera, &options(work(0)), &mut slot.left)?;
+        recorder.record(cmd, &mut left.history, camera, &first, &mut slot.left)?;
         let mut looks = left.looks(state, *radius);
+        slot.count = Some(left.count);
         let compared = state.error && reference.as_ref().is_some_and(|reference| reference.count > 0);
         if compared {
             let constants = PassConstants { count: left.count, ..PassConstants::default() };
@@ -260,9 +313,9 @@ impl Frames {
             recorder.record_looks(cmd, &left.history, truth, &looks, &mut slot.left)?;
         }
         slot.probe.record(device, cmd, &left.history, camera, state.picked)?;
-        slot.error.record(device, cmd, &left.history, compared)?;
+        slot.error.record(device, cmd, &left.history, compared.then_some(left.count))?;
         if let Some(right) = right {
-            recorder.record(cmd, &mut right.history, camera, &options(work(1)), &mut slot.right)?;
+            recorder.record(cmd, &mut right.history, camera, &second, &mut slot.right)?;
             let looks = right.looks(state, *radius);
             if !looks.is_empty() {
                 recorder.record_looks(cmd, &right.history, truth, &looks, &mut slot.right)?;
@@ -282,10 +335,6 @@ impl Frames {
                 Split::Reference => truth,
             },
         }
-    }
-
-    pub fn needs_exposure(&self) -> bool {
-        self.exposure == 0.0
     }
 
     /// Chooses the exposure by the last frame, which is done.
@@ -309,6 +358,11 @@ impl Frames {
     pub fn exposure(&self, state: &State) -> f32 {
         self.exposure * state.stops.exp2()
     }
+}
+
+/// A frame that resamples. One seed: frames differ by their index.
+fn options(settings: Settings, exposure: f32) -> FrameOptions {
+    FrameOptions { work: Work::Restir(settings), seed: 0, exposure, background: Vec3::ZERO }
 }
 
 /// Rays that the reference may add to a frame, by the kind of device.

@@ -1,0 +1,175 @@
+//! What can be said on the command line, with units, ranges and defaults: what commands share. The rest stands with each
+//! command.
+
+mod knobs;
+pub mod values;
+
+pub use knobs::KnobArgs;
+
+use super::compare::CompareArgs;
+use super::explain::ExplainArgs;
+use super::export::ExportArgs;
+use super::floors::FloorsArgs;
+use super::info::InfoArgs;
+use super::reference::ReferenceArgs;
+use super::render::RenderArgs;
+use super::report::ReportArgs;
+use super::sweep::SweepArgs;
+use super::window::ViewArgs;
+use crate::scene::{EnvironmentSource, SceneSource};
+use crate::vulkan::{DeviceOptions, pipeline_cache};
+use clap::{Args, Parser, Subcommand};
+use glam::UVec2;
+use std::path::PathBuf;
+use values::{parse_size, positive, time};
+
+/// Direct lighting from thousands to millions of lights: ReSTIR DI on Vulkan ray tracing, every shader in Rust.
+#[derive(Debug, Parser)]
+#[command(version, args_conflicts_with_subcommands = true)]
+pub struct Cli {
+    #[command(subcommand)]
+    pub command: Option<Command>,
+    /// Without a command: the viewer.
+    #[command(flatten)]
+    pub view: ViewArgs,
+}
+
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Open a window on a scene (what happens without a command).
+    View(ViewArgs),
+    /// Render a picture with ReSTIR.
+    Render(RenderArgs),
+    /// Render the truth: every light of every pixel, without resampling.
+    Reference(ReferenceArgs),
+    /// Say what a scene contains.
+    Info(InfoArgs),
+    /// Say how far a picture is from the truth.
+    Compare(CompareArgs),
+    /// Measure times and errors over scenes, lights and settings, and write a report.
+    Sweep(SweepArgs),
+    /// Measure the least that a frame's rays and bytes take on this device.
+    Floors(FloorsArgs),
+    /// Write the report of a sweep again, or the tables of a page.
+    Report(ReportArgs),
+    /// Write a scene for other programs: scene.json and PLY files (tools/mitsuba renders them with Mitsuba).
+    Export(ExportArgs),
+    /// Replay one pixel of one frame on the CPU: each candidate, ray and weight, and whether the GPU agrees.
+    Explain(ExplainArgs),
+    /// Write the project's own test scenes.
+    #[command(hide = true)]
+    Fixtures { directory: PathBuf },
+}
+
+/// Which scene, lit by what.
+#[derive(Args, Clone, Debug)]
+pub struct SceneArgs {
+    /// A .gltf or .glb file, or a built-in scene: `atrium`, a hall, or `knot`, one object.
+    #[arg(default_value = "atrium")]
+    pub scene: PathBuf,
+    /// Number of point lights: of the atrium, or scattered in a file that has no light [default: 500].
+    pub n_lights: Option<usize>,
+    /// The same as N_LIGHTS.
+    #[arg(long, value_name = "N", conflicts_with = "n_lights")]
+    pub lights: Option<usize>,
+    /// Environment map around the scene: equirectangular .hdr or .exr, +Y up, its middle is +X; or `studio`, a built-in
+    /// one for looking at models.
+    #[arg(long, value_name = "FILE")]
+    pub environment: Option<PathBuf>,
+    /// Factor from the environment map's values to nit.
+    #[arg(long, value_name = "S", default_value_t = 1.0, value_parser = positive, requires = "environment")]
+    pub environment_scale: f32,
+}
+
+#[derive(Args, Clone, Debug)]
+pub struct DeviceArgs {
+    /// Use the device whose name contains this, or the one with this number.
+    #[arg(long)]
+    pub device: Option<String>,
+    /// Switch the Vulkan validation layer on; any message is an error.
+    #[arg(long)]
+    pub validate: bool,
+    /// Compile all pipelines anew, and keep none for the next start (also CANDELA_NO_PIPELINE_CACHE=1).
+    #[arg(long)]
+    pub no_pipeline_cache: bool,
+    /// Say on standard error how long each step from start to first frame takes.
+    #[arg(long)]
+    pub timings: bool,
+}
+
+#[derive(Args, Clone, Debug)]
+pub struct PictureArgs {
+    /// Picture to write: .png (tone mapped) or .exr (radiance in nit).
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+    /// Width x height in pixels.
+    #[arg(long, default_value = "1280x720", value_parser = parse_size)]
+    pub size: UVec2,
+    /// A camera of the scene by name or number, or `x,y,z,tx,ty,tz[,fov]`: position and target in m, vertical field of
+    /// view in degrees.
+    #[arg(long)]
+    pub camera: Option<String>,
+    /// Seed of the random numbers: the same seed gives the same picture.
+    #[arg(long, default_value_t = 0)]
+    pub seed: u32,
+    /// Stops brighter (+) or darker (-) than the automatic exposure.
+    #[arg(long, default_value_t = 0.0, allow_hyphen_values = true)]
+    pub exposure: f32,
+    /// Pose the scene's animations at T seconds; of a sequence, the time of frame 0 [default: at rest; of a sequence 0].
+    #[arg(long, value_name = "T", value_parser = time)]
+    pub time: Option<f64>,
+    /// Look through this animated camera of the scene, by name or number.
+    #[arg(long, value_name = "NAME", conflicts_with = "camera")]
+    pub camera_path: Option<String>,
+}
+
+/// Point lights where neither the scene nor the user says how many.
+const DEFAULT_LIGHTS: usize = 500;
+
+impl Cli {
+    /// Are the steps of the start to be reported?
+    pub fn timings(&self) -> bool {
+        match &self.command {
+            None => self.view.device.timings,
+            Some(Command::View(args)) => args.device.timings,
+            Some(Command::Render(args)) => args.device.timings,
+            Some(Command::Reference(args)) => args.device.timings,
+            Some(Command::Info(args)) => args.device.timings,
+            Some(Command::Sweep(args)) => args.device.timings,
+            Some(Command::Floors(args)) => args.device.timings,
+            Some(Command::Explain(args)) => args.device.timings,
+            _ => false,
+        }
+    }
+}
+
+impl SceneArgs {
+    pub fn source(&self) -> SceneSource {
+        SceneSource::named(&self.scene)
+    }
+
+    pub fn environment_source(&self) -> Option<EnvironmentSource> {
+        let path = self.environment.clone()?;
+        Some(EnvironmentSource { path, scale: self.environment_scale })
+    }
+
+    pub fn light_count(&self) -> usize {
+        self.n_lights.or(self.lights).unwrap_or(DEFAULT_LIGHTS)
+    }
+}
+
+impl DeviceArgs {
+    pub fn options(&self) -> DeviceOptions {
+        let off = self.no_pipeline_cache
+            || std::env::var_os("CANDELA_NO_PIPELINE_CACHE").is_some_and(|value| value == "1");
+        DeviceOptions {
+            validate: self.validate,
+            device: self.device.clone(),
+            pipeline_cache: if off { None } else { pipeline_cache::default_directory() },
+            ..DeviceOptions::default()
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

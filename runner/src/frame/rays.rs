@@ -1,0 +1,68 @@
+//! How many rays a frame traces at most. Counting those that are traced takes an atomic in every ray-tracing shader, or a second
+//! variant of each; the most is known from the settings alone.
+
+use super::pass::{Extent, Stage, Step};
+use super::schedule::{Rotation, Work, schedule};
+use shared::frame::Settings;
+
+/// Rays a pixel of a frame with these settings, at most; fewer where nothing is hit or a sample's visibility is known.
+/// `features`: of the scene.
+pub fn most(settings: &Settings, features: u32) -> u64 {
+    let (steps, _) = schedule(&Work::Restir(*settings), Rotation::default(), false);
+    steps.iter().map(|step| of_step(step, settings, features)).sum()
+}
+
+/// Rays a pixel of one step.
+fn of_step(step: &Step, settings: &Settings, features: u32) -> u64 {
+    if step.pass.stage == Stage::Compute {
+        return 0;
+    }
+    let a_thread = match step.pass.stem {
+        "initial" | "initial_tiled" => {
+            u64::from(settings.bsdf_candidates(features)) + u64::from(settings.visibility_reuse != 0)
+        }
+        // The sample of the one in the place of the other, and the survivor; not asked where visibility is left to shading.
+        "temporal_unbiased" | "temporal_unbiased_moving" | "spatial_unbiased" => {
+            2 * u64::from(settings.visibility_is_known())
+        }
+        "shade" => u64::from(settings.reservoirs) * u64::from(settings.shading_needs_rays(features)),
+        "reference" => u64::from(step.constants.light_count),
+        _ => 1,
+    };
+    let threads = if step.pass.extent == Extent::Reservoirs { settings.reservoirs } else { 1 };
+    a_thread * u64::from(threads)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use shared::frame::{features, mode};
+
+    /// Counted by hand: the eye's ray, one for the candidate, one to shade; unbiased two in each of three merges, and none to
+    /// shade but through what is transparent.
+    #[test]
+    fn rays_counted_by_hand() {
+        let biased = Settings { mode: mode::BIASED, ..Settings::default() };
+        let unbiased = Settings { mode: mode::UNBIASED, ..biased };
+        let count = |settings: Settings| (most(&settings, 0), most(&settings, features::ALPHA));
+        assert_eq!(count(biased), (3, 3));
+        assert_eq!(count(Settings { visibility_reuse: 0, reservoirs: 2, ..biased }), (3, 3));
+        assert_eq!(count(unbiased), (8, 9));
+        assert_eq!(count(Settings { reservoirs: 4, temporal: 0, ..unbiased }), (21, 25));
+        assert_eq!(count(Settings { tiles: 1, spatial: 0, ..unbiased }), (4, 5));
+        assert_eq!(count(Settings { visibility_reuse: 0, ..unbiased }), (2, 2));
+    }
+
+    /// Moving passes trace as many as those that stand in for them.
+    #[test]
+    fn motion_costs_no_ray() {
+        for mode in [mode::BIASED, mode::UNBIASED] {
+            let settings = Settings { mode, ..Settings::default() };
+            let rays = |moved| -> u64 {
+                let (steps, _) = schedule(&Work::Restir(settings), Rotation::default(), moved);
+                steps.iter().map(|step| of_step(step, &settings, 0)).sum()
+            };
+            assert_eq!(rays(true), rays(false));
+        }
+    }
+}

@@ -1,0 +1,57 @@
+//! Settings that are known by a name.
+
+use crate::settings_file::{Mode, SettingsFile};
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Preset {
+    Fast,
+    Thesis,
+    Unbiased,
+    /// All lights of all pixels: the truth, accumulated.
+    Reference,
+}
+
+impl Preset {
+    pub const ALL: [Preset; 4] = [Preset::Fast, Preset::Thesis, Preset::Unbiased, Preset::Reference];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Preset::Fast => "Fast",
+            Preset::Thesis => "Thesis",
+            Preset::Unbiased => "Unbiased",
+            Preset::Reference => "Reference",
+        }
+    }
+
+    pub fn about(self) -> &'static str {
+        match self {
+            Preset::Fast => "8 light samples, one spatial pass of 2 neighbors, biased",
+            Preset::Thesis => "32 light samples, two spatial passes of 4 neighbors, 1/M weights",
+            Preset::Unbiased => "the same with pairwise MIS: the right mean",
+            Preset::Reference => "every light of every pixel, accumulated: the truth",
+        }
+    }
+
+    /// None: the reference has no knobs.
+    pub fn settings(self) -> Option<SettingsFile> {
+        let thesis = SettingsFile::default();
+        match self {
+            Preset::Fast => Some(SettingsFile { candidates: 8, iterations: 1, neighbors: 2, ..thesis }),
+            Preset::Thesis => Some(thesis),
+            Preset::Unbiased => Some(SettingsFile { mode: Mode::Unbiased, ..thesis }),
+            Preset::Reference => None,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn presets_are_allowed_and_differ() {
+        let all: Vec<_> = Preset::ALL.iter().filter_map(|p| p.settings()).collect();
+        assert!(all.iter().all(|s| s.check().is_ok()));
+        assert!(all[0] != all[1] && all[1] != all[2] && all[0] != all[2]);
+    }
+}

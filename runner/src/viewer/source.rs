@@ -1,0 +1,93 @@
+//! Where a scene comes from.
+
+use crate::error::{Error, Result};
+use crate::scene::{self, EnvironmentSource, SceneDescription, SceneSource};
+use std::path::Path;
+
+/// Where a scene and its light come from.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Source {
+    pub scene: SceneSource,
+    /// Point lights of the atrium, or of a file without light.
+    pub lights: usize,
+    pub environment: Option<EnvironmentSource>,
+}
+
+impl Source {
+    pub fn load(&self) -> Result<SceneDescription> {
+        scene::load(&self.scene, self.lights, self.environment.as_ref())
+    }
+
+    /// What this becomes when `path` is dropped on it: another scene, or another sky over the same one.
+    pub fn with_file(&self, path: &Path) -> Result<Source> {
+        let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
+        match extension.as_str() {
+            "glb" | "gltf" => {
+                Ok(Source { scene: SceneSource::File(path.into()), environment: None, ..self.clone() })
+            }
+            "hdr" | "exr" => {
+                let environment = EnvironmentSource { path: path.into(), scale: 1.0 };
+                Ok(Source { environment: Some(environment), ..self.clone() })
+            }
+            _ => Err(Error::Usage(format!(
+                "{}: not a scene (.glb, .gltf) and not a sky (.hdr, .exr)",
+                path.display()
+            ))),
+        }
+    }
+
+    /// As messages name it: the sky if there is one, else the scene.
+    pub fn name(&self) -> String {
+        match (&self.environment, &self.scene) {
+            (Some(environment), _) => environment.path.display().to_string(),
+            (None, SceneSource::File(path)) => path.display().to_string(),
+            (None, _) => self.arguments(),
+        }
+    }
+
+    /// As the command line says it.
+    pub fn arguments(&self) -> String {
+        let scene = match &self.scene {
+            SceneSource::Atrium => "atrium".to_string(),
+            SceneSource::Knot => "knot".to_string(),
+            SceneSource::File(path) => quoted(path),
+        };
+        let sky = self.environment.as_ref().map_or(String::new(), |environment| {
+            let scale = environment.scale;
+            let scale = if scale == 1.0 { String::new() } else { format!(" --environment-scale {scale}") };
+            format!(" --environment {}{scale}", quoted(&environment.path))
+        });
+        format!("{scene} {}{sky}", self.lights)
+    }
+}
+
+/// For a shell.
+fn quoted(path: &Path) -> String {
+    let text = path.display().to_string();
+    let plain = |c: char| c.is_ascii_alphanumeric() || "/._-+:,@%".contains(c);
+    if !text.is_empty() && text.chars().all(plain) {
+        text
+    } else {
+        format!("'{}'", text.replace('\'', r"'\''"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn atrium() -> Source {
+        Source { scene: SceneSource::Atrium, lights: 7, environment: None }
+    }
+
+    #[test]
+    fn files_become_scenes_or_skies() {
+        let scene = atrium().with_file(Path::new("/a b/c.GLB")).unwrap();
+        assert_eq!(scene.arguments(), "'/a b/c.GLB' 7");
+        let sky = scene.with_file(Path::new("sky.hdr")).unwrap();
+        assert_eq!(sky.arguments(), "'/a b/c.GLB' 7 --environment sky.hdr");
+        assert_eq!(sky.with_file(Path::new("d.gltf")).unwrap().arguments(), "d.gltf 7");
+        let error = atrium().with_file(Path::new("notes.txt")).unwrap_err().to_string();
+        assert!(error.contains("notes.txt") && error.contains(".glb"), "{error}");
+    }
+}
