@@ -1,28 +1,33 @@
 //! The kernels that measure floors trace the rays that they say they trace: what they count is what frames show.
 
-use candela::measure::floors::{self, Kind};
-use candela::scene::PointLight;
+use candela::measure::floors;
 use candela::scene::lights::LightTable;
+use candela::scene::{PointLight, SceneDescription};
 use glam::{UVec2, Vec3};
 use shared::camera::Camera;
-use shared::frame::Settings;
+use shared::frame::{Settings, mode};
+use shared::reservoir::StoredReservoir;
 use shared::surface::GBufferTexel;
 use tests::gpu::{assert_no_validation_messages, device, renderer, restir};
 use tests::scenes::{occluded, scene};
 
 const SIZE: UVec2 = UVec2::new(64, 48);
 
-/// Of point lights before a black background: a pixel that is empty was missed, and one that is lit has a ray that met nothing.
-#[test]
-fn hits_are_what_the_frame_shows() {
-    let Some(device) = device() else { return };
+/// Squares over a floor that ends in the picture, under point lights.
+fn horizon() -> (SceneDescription, Camera) {
     let light = |i: i32| PointLight {
         position: Vec3::new((i % 5) as f32 - 2.0, 1.0 + (i % 3) as f32 * 0.5, (i / 5) as f32 - 2.0),
         intensity: Vec3::splat(2f32.powi(i % 4)),
     };
     let scene = occluded(scene(vec![], vec![], (0..20).map(light).collect()));
-    // A horizon in the picture.
-    let camera = Camera::new(Vec3::new(0.0, 2.0, 5.0), Vec3::new(0.0, -1.5, -5.0), Vec3::Y, 1.0, SIZE);
+    (scene, Camera::new(Vec3::new(0.0, 2.0, 5.0), Vec3::new(0.0, -1.5, -5.0), Vec3::Y, 1.0, SIZE))
+}
+
+/// Of point lights before a black background: a pixel that is empty was missed, and one that is lit has a ray that met nothing.
+#[test]
+fn hits_are_what_the_frame_shows() {
+    let Some(device) = device() else { return };
+    let (scene, camera) = horizon();
     let lights = LightTable::new(&scene);
     let mut renderer = renderer(&device, &scene, SIZE, 1);
     // Without reuse a frame does not depend on the ones before, but for its random numbers.
@@ -31,24 +36,53 @@ fn hits_are_what_the_frame_shows() {
     // The captured frame comes after the history: the same one once more.
     let radiance = restir(&mut renderer, camera, settings, floors::HISTORY + 1, 0);
     let gbuffer: Vec<GBufferTexel> = renderer.parts().1.gbuffer().read_vec().unwrap();
-    let of = |kind: Kind| measured.rays.iter().find(|rays| rays.kind == kind).unwrap();
+    let of = |pass: &str| measured.rays.iter().find(|rays| rays.pass == pass).unwrap();
 
     let covered = gbuffer.iter().filter(|texel| !texel.is_empty()).count();
     let pixels = SIZE.element_product() as usize;
-    let primary = of(Kind::Primary);
+    let primary = of("gbuffer");
     assert!(covered > pixels / 4 && covered < pixels, "the scene has a background: {covered} of {pixels}");
     assert_eq!((primary.rays, primary.hits), (pixels, covered));
 
     let count_lit = |picture: &[Vec3]| picture.iter().filter(|c| **c != Vec3::ZERO).count();
-    let (lit, shading) = (count_lit(&radiance), of(Kind::Shading));
+    let (lit, shading) = (count_lit(&radiance), of("shade"));
     assert!(shading.hits > 50 && lit > 1000, "{} hidden, {lit} lit", shading.hits);
     assert_eq!(shading.rays - shading.hits, lit);
     // The planted fault: the frame before has other rays.
     let before = restir(&mut renderer, camera, settings, floors::HISTORY, 0);
     assert_ne!(shading.rays - shading.hits, count_lit(&before));
 
-    assert!(of(Kind::Visibility).rays <= covered && of(Kind::Visibility).rays > covered / 2);
-    assert!(of(Kind::Neighbor).rays <= covered && of(Kind::Neighbor).hits > 0);
+    assert_eq!(measured.rays.len(), 2, "no reuse, no other rays");
     assert_eq!(measured.copied, 2 * 32 * pixels as u64);
+    assert_no_validation_messages(&device);
+}
+
+/// Unbiased reuse, pixel by pixel: a reservoir is empty after the last pass if the pass's second ray met something, and only then.
+#[test]
+fn second_rays_of_reuse_decide_over_reservoirs() {
+    let Some(device) = device() else { return };
+    let (scene, camera) = horizon();
+    let mut renderer = renderer(&device, &scene, SIZE, 1);
+    let lights = LightTable::new(&scene);
+    for temporal in [0, 1] {
+        let settings = Settings { mode: mode::UNBIASED, candidates: 4, temporal, ..Settings::default() };
+        let captured = floors::capture(&mut renderer, &lights, camera, settings).unwrap();
+        let passes: Vec<_> = captured.iter().map(|captured| captured.pass).collect();
+        let reuse = [&["temporal_unbiased"; 2][..2 * temporal as usize], &["spatial_unbiased"; 4]].concat();
+        assert_eq!(passes, [&["gbuffer", "initial"][..], &reuse].concat());
+        let [.., first, last] = &captured[..] else { panic!("{passes:?}") };
+        let [asked, hits] = [first, last].map(|captured| captured.hits(&mut renderer).unwrap());
+
+        restir(&mut renderer, camera, settings, floors::HISTORY + 1, 0);
+        let ended: Vec<StoredReservoir> = renderer.parts().1.shaded_reservoirs().read_vec().unwrap();
+        let traced = |i: &usize| last.rays[*i].traced != 0;
+        let agrees = |hits: &[u32], i: usize| (hits[i] == 0) == (ended[i].contribution_weight > 0.0);
+        let pixels: Vec<usize> = (0..ended.len()).filter(traced).collect();
+        let hidden = pixels.iter().filter(|&&i| hits[i] != 0).count();
+        assert!(pixels.len() > 100 && hidden > 0, "{hidden} of {} are hidden", pixels.len());
+        assert!(pixels.iter().all(|&i| agrees(&hits, i)));
+        // The planted fault: the answers to the first rays are other ones.
+        assert!(!pixels.iter().all(|&i| agrees(&asked, i)));
+    }
     assert_no_validation_messages(&device);
 }

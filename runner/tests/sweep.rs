@@ -134,19 +134,19 @@ fn cells(line: &str) -> Vec<String> {
 
 /// A sweep of `plan` in `folder`; its output and points.json, or none without a device.
 fn swept(folder: &Path, plan: &str) -> Option<(String, serde_json::Value)> {
-    std::fs::create_dir_all(folder).unwrap();
-    std::fs::write(folder.join("plan.toml"), plan).unwrap();
+    std::fs::create_dir_all(folder).expect("the folder can be made");
+    std::fs::write(folder.join("plan.toml"), plan).expect("the plan can be written");
     let mut command = Command::new(env!("CARGO_BIN_EXE_candela"));
     command.env("CANDELA_NO_PIPELINE_CACHE", "1").arg("sweep").arg(folder.join("plan.toml"));
-    let output = command.arg("-o").arg(folder).output().unwrap();
+    let output = command.arg("-o").arg(folder).output().expect("the program starts");
     let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
     if !output.status.success() && std::env::var("CANDELA_ALLOW_NO_GPU").as_deref() == Ok("1") {
         eprintln!("skipped: {}", text(&output.stderr));
         return None;
     }
     assert!(output.status.success(), "{}", text(&output.stderr));
-    let json = std::fs::read(folder.join("points.json")).unwrap();
-    Some((text(&output.stdout), serde_json::from_slice(&json).unwrap()))
+    let json = std::fs::read(folder.join("points.json")).expect("there are results");
+    Some((text(&output.stdout), serde_json::from_slice(&json).expect("they are JSON")))
 }
 
 const TINY: &str = "title = 'x'\nsize = [24, 16]\nwarm_up = 0\nframes = 2\nreplicas = 2\nSWITCH\n\

@@ -8,7 +8,7 @@ use crate::frame::renderer::Renderer;
 use crate::gpu_scene::GpuScene;
 use crate::measure::floors::{self, Floors, RayFloor};
 use crate::scene::lights::LightTable;
-use crate::settings_file::SettingsFile;
+use crate::settings_file::{Mode, SettingsFile};
 use crate::vulkan::Device;
 use clap::Args;
 use glam::UVec2;
@@ -23,6 +23,9 @@ pub struct FloorsArgs {
     /// As for `render`.
     #[arg(long)]
     pub camera: Option<String>,
+    /// The frame whose rays are traced.
+    #[arg(long, value_enum, default_value_t = Mode::Biased)]
+    pub mode: Mode,
     /// Timed launches of each kind of ray, and timed frames.
     #[arg(long, default_value_t = 32, value_parser = clap::value_parser!(u32).range(2..))]
     pub frames: u32,
@@ -39,7 +42,8 @@ pub fn run(args: &FloorsArgs) -> Result<()> {
     let lights = LightTable::new(&scene);
     let device = Device::new(&args.device.options())?;
     let gpu_scene = GpuScene::new(&device, &scene)?;
-    let settings = SettingsFile::default().settings(gpu_scene.light_count());
+    let knobs = SettingsFile { mode: args.mode, ..SettingsFile::default() };
+    let settings = knobs.settings(gpu_scene.light_count());
     let mut renderer = Renderer::new(&device, gpu_scene, args.size, settings.reservoirs)?;
     let floors = floors::measure(&mut renderer, &lights, camera, settings, args.frames)?;
     if args.json {
@@ -60,20 +64,26 @@ pub fn run(args: &FloorsArgs) -> Result<()> {
 }
 
 fn print(floors: &Floors) {
-    println!("\n| rays | traced | of them hit | ms | spread | Mrays/s |\n|---|---|---|---|---|---|");
-    for RayFloor { kind, rays, hits, ms, rate } in &floors.rays {
-        let name = format!("{kind:?}").to_lowercase();
-        println!("| {name} | {rays} | {hits} | {:.3} | {:.3} | {rate:.1} |", ms.median, ms.spread);
+    println!("\n| rays of | traced | of them hit | ms | spread | Mrays/s |\n|---|---|---|---|---|---|");
+    for RayFloor { pass, rays, hits, ms, rate } in &floors.rays {
+        println!("| {pass} | {rays} | {hits} | {:.3} | {:.3} | {rate:.1} |", ms.median, ms.spread);
     }
-    let megabytes = floors.copied as f64 * 1e-6;
+    println!("\n| pass | ms | its rays alone, ms | times its rays |\n|---|---|---|---|");
+    for (stem, ms) in &floors.passes {
+        let rays: f64 = floors.rays.iter().filter(|r| r.pass == stem).map(|r| r.ms.median).sum();
+        let (alone, times) = match rays > 0.0 {
+            true => (format!("{rays:.3}"), format!("{:.2}", ms / rays)),
+            false => Default::default(),
+        };
+        println!("| {stem} | {ms:.3} | {alone} | {times} |");
+    }
+    let (frame, rays) = (floors.frame_ms, floors.ray_ms());
+    println!("| frame | {frame:.3} | {rays:.3} | {:.2} |", frame / rays);
+    let (megabytes, copy) = (floors.copied as f64 * 1e-6, &floors.copy_ms);
     println!(
-        "\ncopy of {megabytes:.1} MB read and written: {:.3} ms, {:.1} GB/s",
-        floors.copy_ms.median, floors.bandwidth
+        "\ncopy: {megabytes:.1} MB read and written in {:.3} ms, {:.1} GB/s",
+        copy.median, floors.bandwidth
     );
-    let passes: Vec<_> = floors.passes.iter().map(|(stem, ms)| format!("{stem} {ms:.3}")).collect();
-    println!("biased frame, ms: {} = {:.3}", passes.join(" + "), floors.frame_ms);
-    let rays = floors.ray_ms();
-    println!("its rays alone: {rays:.3} ms; the frame takes {:.2} times as long", floors.frame_ms / rays);
     if !floors.steady {
         println!("not steady: times still changed by more than 1 % when the longest wait was over");
     }

@@ -1,137 +1,213 @@
-//! The rays of a frame, computed again on the CPU from what its passes left, by the functions that the shaders call.
+//! The rays of a frame, computed again on the CPU from what its passes found, by the functions that the shaders call.
+//!
+//! A pass of unbiased reuse traces a second ray that depends on what the first one met: the first ones are traced on the device
+//! before the second ones are known.
 
-use super::Kind;
+use super::options;
 use crate::error::Result;
 use crate::frame::history::History;
 use crate::frame::pass::{Role, Step};
-use crate::frame::renderer::{FrameOptions, Renderer};
-use crate::frame::schedule::Work;
+use crate::frame::renderer::Renderer;
+use crate::parallel;
 use crate::scene::lights::LightTable as SceneLights;
-use glam::{IVec2, UVec2};
+use glam::UVec2;
 use shared::alpha::{self, SURE_HITS_ONLY};
 use shared::camera::Camera;
 use shared::frame::{FrameConstants, Settings};
 use shared::light::{LightTable, Lights};
+use shared::resampling::{Pixels, initial, spatial, temporal};
 use shared::reservoir::StoredReservoir;
 use shared::rng::{Rng, Stream};
 use shared::shading;
+use shared::shadow::ShadowRay;
 use shared::stored_ray::StoredRay;
-use shared::surface::GBufferTexel;
+use shared::surface::{GBufferTexel, Surface};
 
-/// The rays of one kind, one place a pixel.
+/// The rays that a pass traces at once, one place a pixel.
 pub struct Captured {
-    pub kind: Kind,
+    pub pass: &'static str,
     pub rays: Vec<StoredRay>,
 }
 
-/// The rays of the next frame of `renderer`: first those of the frame itself, then, of the frame after it, those that test
-/// survivors before reuse.
+/// What a pass found.
+struct Found {
+    pass: &'static str,
+    iteration: u32,
+    frame: FrameConstants,
+    reservoirs: Vec<StoredReservoir>,
+    previous: Vec<GBufferTexel>,
+    history: Vec<StoredReservoir>,
+}
+
+/// The rays of the next frame of `renderer`, in its order. `trace` says of each ray whether it met anything.
 pub fn rays(
     renderer: &mut Renderer,
     lights: &SceneLights,
     camera: Camera,
     settings: Settings,
+    mut trace: impl FnMut(&mut Renderer, &[StoredRay]) -> Result<Vec<u32>>,
 ) -> Result<Vec<Captured>> {
-    let mut capture = Capture { lights, gbuffer: Vec::new(), captured: Vec::new() };
+    let features = renderer.scene().features();
+    let mut capture = Capture { lights, features, gbuffer: Vec::new(), fresh: Vec::new(), found: Vec::new() };
     let (recorder, history) = renderer.parts();
-    let options = super::options(settings);
-    recorder.render_stepwise(history, camera, &options, |history, frame, step| {
-        capture.see_frame(history, frame, step)
+    recorder.render_stepwise(history, camera, &options(settings), |history, frame, step| {
+        capture.see(history, frame, step)
     })?;
-    // A test that failed leaves no trace of its ray: here nothing is tested.
-    let untested = Settings { visibility_reuse: 0, ..settings };
-    let options = FrameOptions { work: Work::Restir(untested), ..options };
-    recorder.render_stepwise(history, camera, &options, |history, frame, step| {
-        capture.see_candidates(history, frame, step)
+    // A survivor that was tested and failed leaves no trace of its ray. In the next frame nothing is tested.
+    let untested = options(Settings { visibility_reuse: 0, temporal: 0, spatial: 0, ..settings });
+    let mut survivors = Vec::new();
+    recorder.render_stepwise(history, camera, &untested, |history, frame, step| {
+        if step.pass.stem.starts_with("initial") && settings.visibility_reuse != 0 {
+            let reservoirs = history.read_role(step, Role::ReservoirsOut)?;
+            survivors.push(Found::new(step, frame, reservoirs));
+        }
+        Ok(())
     })?;
-    let mut captured = capture.captured;
-    captured.sort_by_key(|captured| captured.kind);
+    let found = std::mem::take(&mut capture.found);
+    let at = found.iter().position(|found| found.pass != "gbuffer").unwrap_or(found.len());
+    let mut captured = Vec::new();
+    for (i, found) in found.iter().enumerate() {
+        if i == at {
+            captured
+                .extend(survivors.iter().map(|s| capture.captured(s, |pixel| capture.survivor(s, pixel))));
+        }
+        captured.extend(capture.of(found, |rays| trace(renderer, rays))?);
+    }
     Ok(captured)
+}
+
+impl Found {
+    fn new(step: &Step, frame: &FrameConstants, reservoirs: Vec<StoredReservoir>) -> Self {
+        let (pass, iteration) = (step.pass.stem, step.constants.iteration);
+        Found { pass, iteration, frame: *frame, reservoirs, previous: Vec::new(), history: Vec::new() }
+    }
+
+    fn at(&self, pixel: UVec2) -> StoredReservoir {
+        self.reservoirs[self.frame.pixel_index(pixel) as usize]
+    }
+
+    fn rng(&self, pixel: UVec2, stream: Stream) -> Rng {
+        Rng::new(pixel, self.frame.index, self.frame.seed, stream, self.iteration)
+    }
 }
 
 struct Capture<'a> {
     lights: &'a SceneLights,
+    features: u32,
     gbuffer: Vec<GBufferTexel>,
-    captured: Vec<Captured>,
+    /// As `initial` left them.
+    fresh: Vec<StoredReservoir>,
+    found: Vec<Found>,
 }
 
 impl Capture<'_> {
-    fn see_frame(&mut self, history: &History, frame: &FrameConstants, step: &Step) -> Result<()> {
+    fn see(&mut self, history: &History, frame: &FrameConstants, step: &Step) -> Result<()> {
         match step.pass.stem {
             "gbuffer" => {
                 self.gbuffer = history.read_role(step, Role::GBuffer)?;
-                self.captured.push(collect(Kind::Primary, frame, |pixel| Some(primary(frame, pixel))));
+                self.found.push(Found::new(step, frame, Vec::new()));
             }
-            "shade" => {
-                let reservoirs: Vec<StoredReservoir> = history.read_role(step, Role::ReservoirsIn)?;
-                let at = |pixel: UVec2| reservoirs[frame.pixel_index(pixel) as usize];
-                let shading = collect(Kind::Shading, frame, |pixel| {
-                    let mut rng = Rng::new(pixel, frame.index, frame.seed, Stream::Shade, 0);
-                    self.shadow(frame, pixel, at(pixel), alpha::key(rng.next_u32x4().x))
-                });
-                let neighbors = collect(Kind::Neighbor, frame, |pixel| {
-                    self.shadow(frame, pixel, at(neighbor(frame, pixel)), SURE_HITS_ONLY)
-                });
-                self.captured.extend([shading, neighbors]);
+            "initial" | "initial_tiled" => self.fresh = history.read_role(step, Role::ReservoirsOut)?,
+            "temporal_unbiased" => self.found.push(Found {
+                previous: history.read_role(step, Role::PreviousGBuffer)?,
+                history: history.read_role(step, Role::ReservoirsHistory)?,
+                ..Found::new(step, frame, std::mem::take(&mut self.fresh))
+            }),
+            "spatial_unbiased" | "shade" => {
+                let reservoirs = history.read_role(step, Role::ReservoirsIn)?;
+                self.found.push(Found::new(step, frame, reservoirs));
             }
             _ => {}
         }
         Ok(())
     }
 
-    fn see_candidates(&mut self, history: &History, frame: &FrameConstants, step: &Step) -> Result<()> {
-        match step.pass.stem {
-            "gbuffer" => self.gbuffer = history.read_role(step, Role::GBuffer)?,
-            "initial" | "initial_tiled" => {
-                let reservoirs: Vec<StoredReservoir> = history.read_role(step, Role::ReservoirsOut)?;
-                let survivors = collect(Kind::Visibility, frame, |pixel| {
-                    let survivor = reservoirs[frame.pixel_index(pixel) as usize];
-                    self.shadow(frame, pixel, survivor, SURE_HITS_ONLY)
-                });
-                self.captured.push(survivors);
-            }
-            _ => {}
-        }
-        Ok(())
-    }
-
-    /// From the surface of `pixel` to the sample of `reservoir`, if there is anything to ask.
-    fn shadow(
+    /// The rays of a pass: one list, or two where the second ray waits for the first.
+    fn of(
         &self,
-        frame: &FrameConstants,
-        pixel: UVec2,
-        reservoir: StoredReservoir,
-        key: u32,
-    ) -> Option<StoredRay> {
-        let texel = self.gbuffer[frame.pixel_index(pixel) as usize];
-        if texel.is_empty() {
-            return None;
+        found: &Found,
+        trace: impl FnOnce(&[StoredRay]) -> Result<Vec<u32>>,
+    ) -> Result<Vec<Captured>> {
+        let settings = &found.frame.settings;
+        match found.pass {
+            "gbuffer" => Ok(vec![self.captured(found, |pixel| Some(primary(&found.frame, pixel)))]),
+            "shade" if settings.shading_needs_rays(self.features) => {
+                Ok(vec![self.captured(found, |pixel| self.shading(found, pixel))])
+            }
+            "temporal_unbiased" | "spatial_unbiased" if settings.visibility_is_known() => {
+                let first = self.captured(found, |pixel| self.reuse(found, pixel, true)[0]);
+                let hits = trace(&first.rays)?;
+                let second = self.captured(found, |pixel| {
+                    let seen = hits[found.frame.pixel_index(pixel) as usize] == 0;
+                    self.reuse(found, pixel, seen)[1]
+                });
+                Ok(vec![first, second])
+            }
+            _ => Ok(Vec::new()),
         }
-        let surface = texel.unpack(&frame.camera, pixel, frame.size);
-        let lights =
-            LightTable { lights: Lights::untextured(&self.lights.lights), alias: &self.lights.alias };
-        let proposal = shading::propose(&surface, lights, reservoir);
-        (!proposal.is_dark()).then(|| StoredRay::new(proposal.ray.origin, proposal.ray.direction, key))
+    }
+
+    /// Whether a neighbor or the history sees the pixel's sample, and, if the answer is `seen`, whether the pixel sees what it
+    /// has taken.
+    fn reuse(&self, found: &Found, pixel: UVec2, seen: bool) -> [Option<StoredRay>; 2] {
+        let (frame, lights) = (&found.frame, self.lights());
+        let Some(surface) = self.surface(frame, pixel) else { return [None; 2] };
+        let asked = |certain: bool, ray| (!certain).then(|| shadow(ray, SURE_HITS_ONLY));
+        if found.pass == "temporal_unbiased" {
+            let previous = Pixels { gbuffer: &found.previous, reservoirs: &found.history };
+            let current = found.at(pixel);
+            let Some(cross) = temporal::propose(frame, lights, &surface, current, previous, 0) else {
+                return [None; 2];
+            };
+            let mut rng = found.rng(pixel, Stream::Temporal);
+            let merged = temporal::accept(lights, &surface, current, cross, seen, &mut rng);
+            [asked(cross.is_certain(), cross.ray), asked(merged.is_certain(), merged.ray)]
+        } else {
+            let mut rng = found.rng(pixel, Stream::Spatial);
+            let pixels = Pixels { gbuffer: &self.gbuffer, reservoirs: &found.reservoirs };
+            let proposal = spatial::propose(frame, lights, &surface, pixels, pixel, 0, &mut rng);
+            let merged = spatial::accept(&surface, lights, proposal, seen, &mut rng);
+            [asked(proposal.is_certain(), proposal.ray), asked(merged.is_certain(), merged.ray)]
+        }
+    }
+
+    fn survivor(&self, found: &Found, pixel: UVec2) -> Option<StoredRay> {
+        let surface = self.surface(&found.frame, pixel)?;
+        let proposal = initial::Proposal::new(&surface, self.lights(), found.at(pixel));
+        (!proposal.is_certain()).then(|| shadow(proposal.ray, SURE_HITS_ONLY))
+    }
+
+    fn shading(&self, found: &Found, pixel: UVec2) -> Option<StoredRay> {
+        let surface = self.surface(&found.frame, pixel)?;
+        let key = alpha::key(found.rng(pixel, Stream::Shade).next_u32x4().x);
+        let proposal = shading::propose(&surface, self.lights(), found.at(pixel));
+        (!proposal.is_dark()).then(|| shadow(proposal.ray, key))
+    }
+
+    fn captured(&self, found: &Found, ray: impl Fn(UVec2) -> Option<StoredRay> + Sync) -> Captured {
+        let size = found.frame.size;
+        let rows: Vec<u32> = (0..size.y).collect();
+        let row =
+            |&y: &u32| (0..size.x).map(|x| ray(UVec2::new(x, y)).unwrap_or_default()).collect::<Vec<_>>();
+        Captured { pass: found.pass, rays: parallel::map(&rows, row).concat() }
+    }
+
+    fn surface(&self, frame: &FrameConstants, pixel: UVec2) -> Option<Surface> {
+        let texel = self.gbuffer[frame.pixel_index(pixel) as usize];
+        (!texel.is_empty()).then(|| texel.unpack(&frame.camera, pixel, frame.size))
+    }
+
+    fn lights(&self) -> LightTable<'_> {
+        LightTable { lights: Lights::untextured(&self.lights.lights), alias: &self.lights.alias }
     }
 }
 
-fn collect(kind: Kind, frame: &FrameConstants, ray: impl Fn(UVec2) -> Option<StoredRay>) -> Captured {
-    let pixels = (0..frame.size.y).flat_map(|y| (0..frame.size.x).map(move |x| UVec2::new(x, y)));
-    Captured { kind, rays: pixels.map(|pixel| ray(pixel).unwrap_or_default()).collect() }
+fn shadow(ray: ShadowRay, key: u32) -> StoredRay {
+    StoredRay::new(ray.origin, ray.direction, key)
 }
 
 fn primary(frame: &FrameConstants, pixel: UVec2) -> StoredRay {
     let mut rng = Rng::new(pixel, frame.index, frame.seed, Stream::Primary, 0);
     let direction = frame.camera.direction(pixel.as_vec2() + 0.5, frame.size);
     StoredRay::new(frame.camera.position, direction, alpha::key(rng.next_u32x4().x))
-}
-
-/// Anywhere in the square of the radius, inside the picture.
-fn neighbor(frame: &FrameConstants, pixel: UVec2) -> UVec2 {
-    let mut rng = Rng::new(pixel, frame.index, frame.seed, Stream::Spatial, 0);
-    let random = rng.next_u32x4();
-    let radius = frame.settings.radius as i32;
-    let side = 2 * radius as u32 + 1;
-    let offset = IVec2::new((random.x % side) as i32, (random.y % side) as i32) - radius;
-    (pixel.as_ivec2() + offset).clamp(IVec2::ZERO, frame.size.as_ivec2() - 1).as_uvec2()
 }

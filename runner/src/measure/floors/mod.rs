@@ -20,27 +20,15 @@ use serde::Serialize;
 use shared::camera::Camera;
 use shared::frame::Settings;
 use shared::interface::PassConstants;
+use shared::stored_ray::StoredRay;
 use shared::surface::GBufferTexel;
 use std::time::Instant;
 
-/// What a ray is traced for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Kind {
-    /// What a pixel sees: `gbuffer`.
-    Primary,
-    /// Is the survivor of fresh candidates visible: `initial`.
-    Visibility,
-    /// Is the sample that shades a pixel visible: `shade`.
-    Shading,
-    /// Does a pixel see the sample of a pixel in its neighborhood: like those of `spatial_unbiased`, though not the very same.
-    Neighbor,
-}
-
-/// Rays of one kind, traced alone.
+/// Rays of a pass, traced alone.
 #[derive(Clone, Debug, Serialize)]
 pub struct RayFloor {
-    pub kind: Kind,
+    /// Its stem; a pass may trace one ray after another, and come more than once.
+    pub pass: &'static str,
     pub rays: usize,
     pub hits: usize,
     pub ms: Times,
@@ -50,7 +38,7 @@ pub struct RayFloor {
 
 #[derive(Clone, Debug, Serialize)]
 pub struct Floors {
-    /// Steady before the rays were timed; false: the longest wait was over.
+    /// Times stood still before they were taken; false: the longest wait was over.
     pub steady: bool,
     pub rays: Vec<RayFloor>,
     /// Bytes that the copy read and wrote.
@@ -67,9 +55,37 @@ pub struct Floors {
 pub const HISTORY: u32 = 16;
 
 impl Floors {
-    /// ms that the rays of the frame take alone; neighbors are none of a biased frame.
+    /// ms that the rays of the frame take alone.
     pub fn ray_ms(&self) -> f64 {
-        self.rays.iter().filter(|r| r.kind != Kind::Neighbor).map(|r| r.ms.median).sum()
+        self.rays.iter().map(|r| r.ms.median).sum()
+    }
+}
+
+/// The rays of the frame after [`HISTORY`] others, in its order.
+pub fn capture(
+    renderer: &mut Renderer,
+    lights: &LightTable,
+    camera: Camera,
+    settings: Settings,
+) -> Result<Vec<Captured>> {
+    renderer.restart();
+    for _ in 0..HISTORY {
+        renderer.render(camera, &options(settings))?;
+    }
+    capture::rays(renderer, lights, camera, settings, |renderer, rays| {
+        hits(renderer, &floor_shadow::PASS, rays)
+    })
+}
+
+impl Captured {
+    /// The kernel that traces such rays.
+    fn kernel(&self) -> &'static Pass {
+        if self.pass == "gbuffer" { &floor_primary::PASS } else { &floor_shadow::PASS }
+    }
+
+    /// Of each ray, traced now, 1 if it met anything.
+    pub fn hits(&self, renderer: &mut Renderer) -> Result<Vec<u32>> {
+        hits(renderer, self.kernel(), &self.rays)
     }
 }
 
@@ -81,31 +97,14 @@ pub fn measure(
     settings: Settings,
     frames: u32,
 ) -> Result<Floors> {
-    renderer.restart();
-    for _ in 0..HISTORY {
-        renderer.render(camera, &options(settings))?;
-    }
-    let captured = capture::rays(renderer, lights, camera, settings)?;
+    let captured = capture(renderer, lights, camera, settings)?;
     let mut bench = Bench { renderer, frames, steady: true };
-    let mut rays = Vec::new();
-    for Captured { kind, rays: list } in captured {
-        let pass = if kind == Kind::Primary { &floor_primary::PASS } else { &floor_shadow::PASS };
-        let (recorder, history) = bench.renderer.parts();
-        history.set_rays(recorder.device(), &list)?;
-        let ms = bench.time_pass(pass)?;
-        let hits: Vec<u32> = bench.renderer.read(BufferId::Hits)?;
-        let count = list.iter().filter(|ray| ray.traced != 0).count();
-        rays.push(RayFloor {
-            kind,
-            rays: count,
-            hits: hits.iter().sum::<u32>() as usize,
-            ms,
-            rate: count as f64 * 1e-3 / ms.median,
-        });
-    }
+    let rays = captured.iter().map(|captured| bench.rays(captured)).collect::<Result<_>>()?;
     let copied = 2 * u64::from(bench.renderer.size().element_product()) * size_of::<GBufferTexel>() as u64;
     let copy_ms = bench.time_pass(&floor_copy::PASS)?;
     let mut times = PassTimes::default();
+    // The copy has overwritten the past.
+    bench.renderer.restart();
     bench.settle(|renderer| frame(renderer, camera, settings, None))?;
     for _ in 0..frames {
         frame(bench.renderer, camera, settings, Some(&mut times))?;
@@ -137,6 +136,28 @@ fn frame(
     Ok(ms)
 }
 
+/// `pass` alone; gives its ms.
+fn launch(renderer: &mut Renderer, pass: &'static Pass, timestamps: &mut Timestamps) -> Result<f64> {
+    let (recorder, history) = renderer.parts();
+    let (device, start) = (recorder.device().clone(), Instant::now());
+    device.submit_once(pass.stem, |cmd| {
+        timestamps.begin(cmd);
+        let passes = [(pass, PassConstants::default())];
+        recorder.record_looks(cmd, history, None, &passes, timestamps)
+    })?;
+    let ms = timestamps.read()?.map(|steps| steps.iter().map(|(_, ms)| ms).sum());
+    Ok(ms.unwrap_or_else(|| start.elapsed().as_secs_f64() * 1e3))
+}
+
+/// Of each ray, 1 if it met anything; the rays stay on the device.
+fn hits(renderer: &mut Renderer, pass: &'static Pass, rays: &[StoredRay]) -> Result<Vec<u32>> {
+    let (recorder, history) = renderer.parts();
+    history.set_rays(recorder.device(), rays)?;
+    let mut timestamps = Timestamps::new(recorder.device(), MAX_TIMESTAMPS)?;
+    launch(renderer, pass, &mut timestamps)?;
+    renderer.read(BufferId::Hits)
+}
+
 struct Bench<'a> {
     renderer: &'a mut Renderer,
     frames: u32,
@@ -144,24 +165,20 @@ struct Bench<'a> {
 }
 
 impl Bench<'_> {
+    fn rays(&mut self, captured: &Captured) -> Result<RayFloor> {
+        let hits = captured.hits(self.renderer)?.iter().sum::<u32>() as usize;
+        let ms = self.time_pass(captured.kernel())?;
+        let rays = captured.rays.iter().filter(|ray| ray.traced != 0).count();
+        Ok(RayFloor { pass: captured.pass, rays, hits, ms, rate: rays as f64 * 1e-3 / ms.median })
+    }
+
     /// ms of `pass` alone, warm.
     fn time_pass(&mut self, pass: &'static Pass) -> Result<Times> {
         let (recorder, _) = self.renderer.parts();
         let mut timestamps = Timestamps::new(recorder.device(), MAX_TIMESTAMPS)?;
-        let mut launch = |renderer: &mut Renderer| -> Result<f64> {
-            let (recorder, history) = renderer.parts();
-            let (device, start) = (recorder.device().clone(), Instant::now());
-            device.submit_once(pass.stem, |cmd| {
-                timestamps.begin(cmd);
-                let passes = [(pass, PassConstants::default())];
-                recorder.record_looks(cmd, history, None, &passes, &mut timestamps)
-            })?;
-            let ms = timestamps.read()?.map(|steps| steps.iter().map(|(_, ms)| ms).sum());
-            Ok(ms.unwrap_or_else(|| start.elapsed().as_secs_f64() * 1e3))
-        };
-        self.settle(&mut launch)?;
-        let ms: Vec<f64> = (0..self.frames).map(|_| launch(self.renderer)).collect::<Result<_>>()?;
-        Ok(Times::of(&ms))
+        self.settle(|renderer| launch(renderer, pass, &mut timestamps))?;
+        let ms = (0..self.frames).map(|_| launch(self.renderer, pass, &mut timestamps));
+        Ok(Times::of(&ms.collect::<Result<Vec<f64>>>()?))
     }
 
     /// Works until the time of a launch stands still.
