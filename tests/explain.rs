@@ -221,6 +221,8 @@ fn assert_telling(explanations: &[Explanation]) {
         "visible",
         "p̂",
         " ?",
+        "ray along the reflectance",
+        "bsdf ",
     ] {
         assert!(all.contains(word), "no '{word}' in\n{all}");
     }

@@ -129,7 +129,7 @@ fn mirrors_look_through_panes() {
                 lots += 1.0;
             }
         }
-        let z = (shown - 0.5 * lots) / (0.25 * lots as f64).sqrt();
+        let z = (shown - 0.5 * lots) / (0.25 * lots).sqrt();
         println!("mode {mode}: {} of {lots}, z {z:.2}", shown / lots);
         assert!(z.abs() < 4.9, "mode {mode}: {} of the light instead of half", shown / lots);
     }

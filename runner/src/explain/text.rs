@@ -121,7 +121,8 @@ impl Display for PassReport {
             if self.pass.starts_with("spatial") { format!(" {}", self.iteration) } else { String::new() };
         writeln!(f, "{}{iteration}, reservoir {}", self.pass, self.reservoir)?;
         if let Some(tile) = &self.tile {
-            let (all, equal) = (self.candidates.len(), tile.equal_entries);
+            let all = self.candidates.iter().filter(|candidate| candidate.by == "tile").count();
+            let equal = tile.equal_entries;
             writeln!(
                 f,
                 "  from tile {}; the CPU draws the same light and point for {equal} of {all} entries",

@@ -185,8 +185,11 @@ fn indices_of_things_that_are_not_there() {
         },
         &["node 0 'lamp': mesh 1 of 1 does not exist"],
     );
-    rejected(|f| f.json["nodes"][0]["camera"] = json!(0), &["node 0: camera 0 of 0 does not exist"]);
-    rejected(|f| f.json["nodes"][0]["children"] = json!([7]), &["node 0: child node 7 of", "does not exist"]);
+    rejected(|f| f.json["nodes"][0]["camera"] = json!(0), &["node 0 'quad': camera 0 of 0 does not exist"]);
+    rejected(
+        |f| f.json["nodes"][0]["children"] = json!([7]),
+        &["node 0 'quad': child node 7 of", "does not exist"],
+    );
     rejected(|f| f.json["scene"] = json!(4), &["scene", "out of bounds"]);
 }
 

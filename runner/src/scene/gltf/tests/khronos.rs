@@ -5,7 +5,7 @@ use super::*;
 use crate::gpu_scene::arrays::SceneArrays;
 use crate::scene::lights::{LightTable, is_lit};
 use crate::scene::{AlphaMode, Workflow};
-use shared::frame::features::{ALPHA, LIGHT_KINDS, NORMAL_MAPS, TEXTURES, UV_MAPS};
+use shared::frame::features::{ALPHA, LIGHT_KINDS, NORMAL_MAPS, TEXTURES, TRACEABLE, UV_MAPS};
 
 /// The .gltf of a model; none where there is no such folder.
 fn model(name: &str) -> Option<PathBuf> {
@@ -38,7 +38,7 @@ const MODELS: [Expected; 11] = [
     Expected { name: "AlphaBlendModeTest", triangles: 61, instances: 9, meshes: 9, materials: 6, textures: 4, points: 0,
         features: TEXTURES | NORMAL_MAPS | ALPHA, warnings: &[OCCLUSION] },
     Expected { name: "EmissiveStrengthTest", triangles: 90, instances: 6, meshes: 6, materials: 6, textures: 1, points: 0,
-        features: TEXTURES, warnings: &[] },
+        features: TEXTURES | TRACEABLE, warnings: &[] },
     Expected { name: "LightsPunctualLamp", triangles: 6000, instances: 3, meshes: 3, materials: 3, textures: 6, points: 5,
         features: TEXTURES | NORMAL_MAPS | ALPHA, warnings: &["extensions without an effect here: KHR_materials_transmission"] },
     Expected { name: "NegativeScaleTest", triangles: 7724, instances: 11, meshes: 8, materials: 6, textures: 2, points: 0,
