@@ -95,7 +95,13 @@ fn a_screen_lights_the_floor_with_its_picture() {
     let exact: Vec<_> = masked(truth.clone()).into_iter().map(|mean| (mean, 0.0)).collect();
     assert!(clear.iter().filter(|&&c| c).count() > 2000 && truth.iter().all(|l| l.is_finite()));
 
-    let base = Settings { candidates: 8, radius: 8.0, mode: mode::UNBIASED, ..Settings::default() };
+    let base = Settings {
+        candidates: 8,
+        radius: 8.0,
+        spatial_iterations: 2,
+        mode: mode::UNBIASED,
+        ..Settings::default()
+    };
     let mut lit = renderer(&device, &screen(&TEXELS, 4), SIZE, 1);
     // Dark texels are no lights.
     assert!((3..100).contains(&lit.scene().light_count()), "{} lights", lit.scene().light_count());

@@ -66,7 +66,14 @@ fn lit_screens() -> SceneDescription {
 }
 
 fn cases() -> Vec<(&'static str, Settings)> {
-    let base = Settings { candidates: 8, radius: 6.0, reservoirs: 2, ..Settings::default() };
+    let base = Settings {
+        candidates: 8,
+        radius: 6.0,
+        reservoirs: 2,
+        spatial_iterations: 2,
+        mode: mode::BIASED,
+        ..Settings::default()
+    };
     let unbiased = Settings { mode: mode::UNBIASED, ..base };
     vec![
         ("biased", base),

@@ -2,7 +2,7 @@
 
 use candela::scene::{DirectionalLight, Material, PointLight, SceneDescription, SpotLight};
 use glam::{DVec3, UVec2, Vec3};
-use shared::frame::Settings;
+use shared::frame::{Settings, mode};
 use tests::failure;
 use tests::gpu::{assert_no_validation_messages, device, reference, renderer, restir};
 use tests::scenes::{camera, floor_bsdf, floor_point, floor_radiance, scene, square};
@@ -166,7 +166,7 @@ fn depth_inside(a: DVec3, b: DVec3) -> Option<f64> {
 /// Settings under which the biased mode is exact for one light: with visibility reuse, a neighbor's empty reservoir
 /// would darken the lit side of the edge.
 fn exact_settings() -> [Settings; 2] {
-    let default = Settings::default();
+    let default = Settings { mode: mode::BIASED, spatial_iterations: 2, ..Settings::default() };
     [Settings { visibility_reuse: 0, ..default }, Settings { spatial: 0, ..default }]
 }
 

@@ -255,7 +255,13 @@ const Z_LIMIT: f64 = 5.9;
 #[test]
 fn unbiased_resampling_agrees_with_mitsuba() {
     let Some(device) = device() else { return };
-    let settings = Settings { candidates: 8, radius: 8.0, mode: mode::UNBIASED, ..Settings::default() };
+    let settings = Settings {
+        candidates: 8,
+        radius: 8.0,
+        spatial_iterations: 2,
+        mode: mode::UNBIASED,
+        ..Settings::default()
+    };
     let agrees = |runs: &Runs| (runs.comparison.mean_ratio - 1.0).abs() < 0.01 && runs.largest_z.0 < Z_LIMIT;
     let mut failed = Vec::new();
     for scene in all() {

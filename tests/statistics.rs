@@ -15,7 +15,15 @@ const REPLICAS: u32 = 48;
 const Z_LIMIT: f64 = 5.9;
 
 fn cases() -> Vec<(&'static str, Settings, u32)> {
-    let base = Settings { candidates: 8, radius: 8.0, temporal: 0, spatial: 0, ..Settings::default() };
+    let base = Settings {
+        candidates: 8,
+        radius: 8.0,
+        temporal: 0,
+        spatial: 0,
+        spatial_iterations: 2,
+        mode: mode::BIASED,
+        ..Settings::default()
+    };
     vec![
         ("RIS", base, 1),
         (
@@ -33,8 +41,14 @@ fn cases() -> Vec<(&'static str, Settings, u32)> {
 
 /// Every combination of reuse in the mode that must be right among shadows, with and without visibility reuse.
 fn unbiased_cases() -> Vec<(&'static str, Settings, u32)> {
-    let base =
-        Settings { candidates: 8, radius: 8.0, temporal: 0, mode: mode::UNBIASED, ..Settings::default() };
+    let base = Settings {
+        candidates: 8,
+        radius: 8.0,
+        temporal: 0,
+        spatial_iterations: 2,
+        mode: mode::UNBIASED,
+        ..Settings::default()
+    };
     let temporal = Settings { temporal: 1, spatial: 0, ..base };
     vec![
         ("unbiased spatial", base, 1),
@@ -101,7 +115,13 @@ fn unbiased_reuse_is_right_among_shadows() {
 fn each_kind_of_light_has_the_mean_of_the_reference() {
     let Some(device) = device() else { return };
     let camera = camera(SIZE);
-    let base = Settings { candidates: 8, radius: 8.0, ..Settings::default() };
+    let base = Settings {
+        candidates: 8,
+        radius: 8.0,
+        spatial_iterations: 2,
+        mode: mode::BIASED,
+        ..Settings::default()
+    };
     for (kind, scene) in kinds() {
         let mut renderer = renderer(&device, &scene, SIZE, 1);
         let truth = replicas(|seed| reference(&mut renderer, camera, 1000 + seed));

@@ -24,7 +24,7 @@ pub struct FloorsArgs {
     #[arg(long)]
     pub camera: Option<String>,
     /// The frame whose rays are traced.
-    #[arg(long, value_enum, default_value_t = Mode::Biased)]
+    #[arg(long, value_enum, default_value_t = Mode::Unbiased)]
     pub mode: Mode,
     /// Timed launches of each kind of ray, and timed frames.
     #[arg(long, default_value_t = 32, value_parser = clap::value_parser!(u32).range(2..))]

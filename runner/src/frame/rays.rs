@@ -42,7 +42,7 @@ mod tests {
     /// shade but through what is transparent.
     #[test]
     fn rays_counted_by_hand() {
-        let biased = Settings { mode: mode::BIASED, ..Settings::default() };
+        let biased = Settings { mode: mode::BIASED, spatial_iterations: 2, ..Settings::default() };
         let unbiased = Settings { mode: mode::UNBIASED, ..biased };
         let count = |settings: Settings| (most(&settings, 0), most(&settings, features::ALPHA));
         assert_eq!(count(biased), (3, 3));

@@ -209,8 +209,9 @@ mod tests {
     }
 
     #[test]
-    fn the_default_frame_reads_like_the_paper() {
-        let (steps, _) = schedule(&Work::Restir(Settings::default()), Rotation::default(), false);
+    fn the_thesis_frame_reads_like_the_paper() {
+        let thesis = Settings { mode: mode::BIASED, spatial_iterations: 2, ..Settings::default() };
+        let (steps, _) = schedule(&Work::Restir(thesis), Rotation::default(), false);
         let stems: Vec<_> = steps.iter().map(|s| s.pass.stem).collect();
         assert_eq!(stems, ["gbuffer", "initial", "temporal", "spatial", "spatial", "shade", "tonemap"]);
         assert!(barriers(&steps).iter().all(|&wait| wait), "each pass needs the one before it");

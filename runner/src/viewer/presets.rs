@@ -25,20 +25,22 @@ impl Preset {
 
     pub fn about(self) -> &'static str {
         match self {
-            Preset::Fast => "8 light samples, one spatial pass of 2 neighbors, biased",
-            Preset::Thesis => "32 light samples, two spatial passes of 4 neighbors, 1/M weights",
-            Preset::Unbiased => "the same with pairwise MIS: the right mean",
+            Preset::Fast => "8 light samples, reuse over time alone: the right mean with the fewest rays",
+            Preset::Thesis => {
+                "32 light samples, two spatial passes of 4 neighbors, 1/M weights: too dark in shadows"
+            }
+            Preset::Unbiased => "the defaults: one spatial pass, pairwise MIS, the right mean",
             Preset::Reference => "every light of every pixel, accumulated: the truth",
         }
     }
 
     /// None: the reference has no knobs.
     pub fn settings(self) -> Option<SettingsFile> {
-        let thesis = SettingsFile::default();
+        let unbiased = SettingsFile::default();
         match self {
-            Preset::Fast => Some(SettingsFile { candidates: 8, iterations: 1, neighbors: 2, ..thesis }),
-            Preset::Thesis => Some(thesis),
-            Preset::Unbiased => Some(SettingsFile { mode: Mode::Unbiased, ..thesis }),
+            Preset::Fast => Some(SettingsFile { candidates: 8, spatial: false, ..unbiased }),
+            Preset::Thesis => Some(SettingsFile { mode: Mode::Biased, iterations: 2, ..unbiased }),
+            Preset::Unbiased => Some(unbiased),
             Preset::Reference => None,
         }
     }

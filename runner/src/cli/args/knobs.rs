@@ -53,7 +53,7 @@ pub struct KnobArgs {
     pub tiles: bool,
     #[arg(long, overrides_with = "tiles")]
     pub no_tiles: bool,
-    /// How reused reservoirs are weighted [default: biased].
+    /// How reused reservoirs are weighted [default: unbiased].
     #[arg(long, value_enum)]
     pub mode: Option<Mode>,
 }
