@@ -276,7 +276,8 @@ fn no_pixel_traces_more_rays_than_announced() {
         let mut passes = Vec::new();
         for e in &explanations {
             let shading = e.shading.iter().map(|shading| ("shade", shading.rays.len()));
-            let rays: Vec<_> = e.passes.iter().map(|p| (p.pass, p.rays.len())).chain(shading).collect();
+            let of_pass = |p: &PassReport| (p.pass, p.rays.len() + p.glances.len());
+            let rays: Vec<_> = e.passes.iter().map(of_pass).chain(shading).collect();
             let all: usize = rays.iter().map(|(_, rays)| rays).sum();
             // The eye's ray comes to them.
             assert!((all as u64) < most, "{name}: {rays:?} of {most}");

@@ -17,6 +17,8 @@ pub fn base() -> Settings {
         neighbors: 3,
         spatial: 0,
         temporal: 0,
+        spatial_iterations: 2,
+        mode: mode::BIASED,
         ..Settings::default()
     }
 }

@@ -170,13 +170,13 @@ mod tests {
             }),
             ..Row::default()
         };
-        let unbiased = SettingsFile { mode: Mode::Unbiased, temporal: false, ..SettingsFile::default() };
+        let biased = SettingsFile { mode: Mode::Biased, temporal: false, ..SettingsFile::default() };
         let failed = Row { label: "lost".into(), error: Some("no device".into()), ..Row::default() };
-        let rows = [row("first", 500, SettingsFile::default(), 4.0), row("other", 9, unbiased, 5.0), failed];
+        let rows = [row("first", 500, SettingsFile::default(), 4.0), row("other", 9, biased, 5.0), failed];
         let table = bench(&rows);
         assert_eq!(table[0], ["", "change", "shade", "frame, ms", "spread", "over the first"]);
         assert_eq!(table[1], ["first", "", "2.000", "4.000", "0.000", "1.000"]);
-        let change = "--lights 9 --mode unbiased --no-temporal";
+        let change = "--lights 9 --mode biased --no-temporal";
         assert_eq!(table[2], ["other", change, "2.500", "5.000", "0.000", "1.250"]);
         assert_eq!(table[3], ["lost", "failed: no device"]);
     }

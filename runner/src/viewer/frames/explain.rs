@@ -44,7 +44,9 @@ impl Frames {
         let explanation = next_frame(recorder, &mut side.history, &world, *camera, options, *pixel)?;
         let held = match self.posed {
             Some(time) if self.scene.animation.moves_things() => {
-                format!("at {time:.3} s, held still for this frame: reuse across motion is not replayed\n\n")
+                format!(
+                    "at {time:.3} s, held still for this frame; `candela explain --time` replays frames in motion\n\n"
+                )
             }
             _ => String::new(),
         };
