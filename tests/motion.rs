@@ -6,7 +6,7 @@ use candela::frame::renderer::{FrameOptions, Renderer};
 use candela::frame::schedule::{Rotation, Work, schedule};
 use candela::scene::animation::{Animation, Channel, Curve, Interpolation, Local, Node, Thing, Track};
 use candela::scene::lights::LightEdits;
-use candela::scene::{Instance, Material, Mesh, PointLight, Primitive, SceneDescription};
+use candela::scene::{Environment, Instance, Material, Mesh, PointLight, Primitive, SceneDescription};
 use glam::{Affine3A, DAffine3, DQuat, DVec3, DVec4, UVec2, Vec3};
 use shared::camera::Camera;
 use shared::frame::{Settings, mode};
@@ -171,6 +171,33 @@ fn a_light_that_goes_takes_its_energy_along() {
             assert!((found - truth.y).abs() < 5.0 * error + 1e-5 * truth.y, "{found}, {} ± {error}", truth.y);
         }
     }
+    assert_no_validation_messages(&device);
+}
+
+/// Another sky, of another size, with other dark texels: lights, background and what rays along the reflectance find are those of
+/// a scene made with it, bit by bit.
+#[test]
+fn a_sky_is_replaced_whole() {
+    let Some(device) = device() else { return };
+    let sky = |size: UVec2, dark: u32| {
+        let texel =
+            |i: u32| if i % dark == 0 { Vec3::ZERO } else { Vec3::new(1.0, 0.5, 0.2) * (i % 5) as f32 };
+        Some(Environment { size, radiance: (0..size.x * size.y).map(texel).collect() })
+    };
+    let with = |environment| SceneDescription { environment, ..scene(vec![], vec![], vec![]) };
+    let (first, second) = (with(sky(UVec2::new(16, 8), 3)), with(sky(UVec2::new(8, 4), 2)));
+    let camera = camera(SIZE);
+    let picture = |renderer: &mut Renderer| {
+        renderer.restart();
+        render(renderer, camera, Settings::default(), 3);
+        renderer.radiance().unwrap()
+    };
+    let mut changed = renderer(&device, &first, SIZE, 1);
+    let before = picture(&mut changed);
+    changed.replace_lights(&second, &LightEdits::default()).unwrap();
+    let expected = picture(&mut renderer(&device, &second, SIZE, 1));
+    assert!(picture(&mut changed) == expected, "the replaced sky is not the new one");
+    assert!(before != expected, "the skies are not told apart");
     assert_no_validation_messages(&device);
 }
 

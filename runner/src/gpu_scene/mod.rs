@@ -41,6 +41,11 @@ pub struct GpuScene {
     textures: Vec<Image>,
 }
 
+/// Texels of the environment map; 0 without one.
+fn environment_size(scene: &SceneDescription) -> UVec2 {
+    scene.environment.as_ref().map_or(UVec2::ZERO, |map| map.size)
+}
+
 impl GpuScene {
     /// Uploads `scene` and builds its acceleration structures.
     pub fn new(device: &Device, scene: &SceneDescription) -> Result<Self> {
@@ -98,7 +103,7 @@ impl GpuScene {
         Ok(GpuScene {
             set,
             light_count: lights.lights.len() as u32,
-            environment_size: scene.environment.as_ref().map_or(UVec2::ZERO, |map| map.size),
+            environment_size: environment_size(scene),
             first_environment_light: lights.first_environment as u32,
             features: arrays.features,
             arrays: arrays.without_geometry(),

@@ -1,7 +1,8 @@
 //! A scene that changes from frame to frame, and what the device keeps of how it was. Made at the first change: a scene that
 //! stands still has none of it.
 
-use super::{GpuScene, tlas_instances};
+use super::arrays::environment_texels;
+use super::{GpuScene, environment_size, tlas_instances};
 use crate::error::{Error, Result};
 use crate::scene::SceneDescription;
 use crate::scene::animation::Pose;
@@ -121,6 +122,8 @@ impl GpuScene {
         let lights = upload.buffer("lights", &table.lights, STORAGE)?;
         let alias = upload.buffer("alias table", &table.alias, STORAGE)?;
         let instances = upload.buffer("instances", &self.arrays.instances, STORAGE)?;
+        // Texels know their lights.
+        let environment = upload.buffer("environment map", &environment_texels(scene), STORAGE)?;
         upload.finish()?;
         let [first, second] = maps;
         past.maps = [first?, second?];
@@ -131,7 +134,9 @@ impl GpuScene {
         }
         self.buffers.insert(scene_binding::ALIAS, alias);
         self.buffers.insert(scene_binding::INSTANCES, instances);
+        self.buffers.insert(scene_binding::ENVIRONMENT, environment);
         self.light_count = past.table.lights.len() as u32;
+        self.environment_size = environment_size(scene);
         self.first_environment_light = past.table.first_environment as u32;
         past.now = Changes {
             any: true,
@@ -139,7 +144,12 @@ impl GpuScene {
             lights_replaced: true,
             ..Changes::default()
         };
-        for binding in [scene_binding::LIGHTS, scene_binding::ALIAS, scene_binding::INSTANCES] {
+        for binding in [
+            scene_binding::LIGHTS,
+            scene_binding::ALIAS,
+            scene_binding::INSTANCES,
+            scene_binding::ENVIRONMENT,
+        ] {
             self.set.bind_storage_buffer(binding, &self.buffers[&binding]);
         }
         past.bind_lights();
