@@ -180,8 +180,9 @@ fn a_light_that_goes_takes_its_energy_along() {
 fn a_sky_is_replaced_whole() {
     let Some(device) = device() else { return };
     let sky = |size: UVec2, dark: u32| {
-        let texel =
-            |i: u32| if i % dark == 0 { Vec3::ZERO } else { Vec3::new(1.0, 0.5, 0.2) * (i % 5) as f32 };
+        let texel = |i: u32| {
+            if i.is_multiple_of(dark) { Vec3::ZERO } else { Vec3::new(1.0, 0.5, 0.2) * (i % 5) as f32 }
+        };
         Some(Environment { size, radiance: (0..size.x * size.y).map(texel).collect() })
     };
     let with = |environment| SceneDescription { environment, ..scene(vec![], vec![], vec![]) };
