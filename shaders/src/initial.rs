@@ -1,6 +1,6 @@
 //! Pass 2: fresh candidates for every reservoir, from the lights and along the reflectance, and visibility reuse.
 
-use crate::trace::{trace_nearest, trace_shadow};
+use crate::trace::{trace_glances, trace_shadow};
 use shared::alias_table::AliasEntry;
 use shared::alpha::SURE_HITS_ONLY;
 use shared::environment::EnvironmentTexel;
@@ -10,7 +10,7 @@ use shared::glam::UVec3;
 use shared::interface::{HitPayload, ShadowPayload};
 use shared::light::found::Emitters;
 use shared::light::{Light, LightTable, Lights};
-use shared::resampling::initial::{self, Glance, Techniques};
+use shared::resampling::initial::{self, Techniques};
 use shared::resampling::reservoir_index;
 use shared::reservoir::StoredReservoir;
 use shared::rng::{Rng, Stream};
@@ -46,16 +46,7 @@ pub fn initial(
     let emitters = Emitters::new(frame, features, instances, environment);
     let techniques = Techniques::new(&frame.settings, features);
     let mut fresh = initial::from_table(&surface, lights, techniques, &mut rng);
-    let mut i = 0;
-    while i < techniques.bsdf {
-        let glance = Glance::new(&surface, &mut rng);
-        if glance.is_worth_tracing(&surface) {
-            trace_nearest(tlas, features, glance.origin, glance.direction, nearest);
-            let light = emitters.light_at(*nearest, glance.direction);
-            fresh.add_found(glance.candidate(&surface, lights, techniques, light));
-        }
-        i += 1;
-    }
+    trace_glances(tlas, &surface, lights, emitters, techniques, &mut fresh, &mut rng, nearest);
     let proposal = fresh.finish(&surface, lights);
     let mut visible = true;
     if frame.settings.visibility_reuse != 0 && !proposal.is_certain() {

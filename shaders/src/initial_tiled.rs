@@ -1,6 +1,6 @@
 //! Pass 2, from light tiles: fresh candidates for every reservoir, from the lights and along the reflectance, and visibility reuse.
 
-use crate::trace::{trace_nearest, trace_shadow};
+use crate::trace::{trace_glances, trace_shadow};
 use shared::alias_table::AliasEntry;
 use shared::alpha::SURE_HITS_ONLY;
 use shared::environment::EnvironmentTexel;
@@ -11,7 +11,7 @@ use shared::interface::{HitPayload, ShadowPayload};
 use shared::light::found::Emitters;
 use shared::light::tile::{TileEntry, Tiles, tile_of};
 use shared::light::{Light, LightTable, Lights};
-use shared::resampling::initial::{self, Glance, Techniques};
+use shared::resampling::initial::{self, Techniques};
 use shared::resampling::reservoir_index;
 use shared::reservoir::StoredReservoir;
 use shared::rng::{Rng, Stream};
@@ -51,16 +51,7 @@ pub fn initial_tiled(
     let tiles = Tiles { entries, points };
     let tile = tile_of(frame, pixel, lane);
     let mut fresh = initial::from_tile(&surface, lights, techniques, tiles, tile, &mut rng);
-    let mut i = 0;
-    while i < techniques.bsdf {
-        let glance = Glance::new(&surface, &mut rng);
-        if glance.is_worth_tracing(&surface) {
-            trace_nearest(tlas, features, glance.origin, glance.direction, nearest);
-            let light = emitters.light_at(*nearest, glance.direction);
-            fresh.add_found(glance.candidate(&surface, lights, techniques, light));
-        }
-        i += 1;
-    }
+    trace_glances(tlas, &surface, lights, emitters, techniques, &mut fresh, &mut rng, nearest);
     let proposal = fresh.finish(&surface, lights);
     let mut visible = true;
     if frame.settings.visibility_reuse != 0 && !proposal.is_certain() {

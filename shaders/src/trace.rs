@@ -7,7 +7,12 @@ use shared::alpha;
 use shared::frame::features;
 use shared::glam::Vec3;
 use shared::interface::{HitPayload, ShadowPayload, hit_group, miss};
+use shared::light::LightTable;
+use shared::light::found::Emitters;
+use shared::resampling::initial::{Fresh, Glance, Techniques};
+use shared::rng::Rng;
 use shared::shadow::ShadowRay;
+use shared::surface::Surface;
 use spirv_std::ray_tracing::{AccelerationStructure, RayFlags};
 
 /// Far enough for every scene, and far from overflow.
@@ -39,7 +44,7 @@ pub fn trace_primary(
 
 /// The nearest surface from `origin` along `direction` (unit) that surely is in the way, into `payload`: both sides of
 /// everything, as for shadow rays. For passes whose rays are [`hit_group::NEAREST`]'s too.
-pub fn trace_nearest(
+fn trace_nearest(
     tlas: &AccelerationStructure,
     features: u32,
     origin: Vec3,
@@ -70,4 +75,27 @@ pub fn trace_shadow(
         tlas.trace_ray(flags, 0xff, 0, 0, miss::SHADOW as i32, ray.origin, 0.0, ray.direction, 1.0, payload);
     }
     payload.visible != 0
+}
+
+/// Lets rays along the reflectance of `surface` look for lights, and adds what they find to `fresh`.
+pub fn trace_glances(
+    tlas: &AccelerationStructure,
+    surface: &Surface,
+    lights: LightTable<'_>,
+    emitters: Emitters<'_>,
+    techniques: Techniques,
+    fresh: &mut Fresh,
+    rng: &mut Rng,
+    nearest: &mut HitPayload,
+) {
+    let mut i = 0;
+    while i < techniques.bsdf {
+        let glance = Glance::new(surface, rng);
+        if glance.is_worth_tracing(surface) {
+            trace_nearest(tlas, emitters.features, glance.origin, glance.direction, nearest);
+            let light = emitters.light_at(*nearest, glance.direction);
+            fresh.add_found(glance.candidate(surface, lights, techniques, light));
+        }
+        i += 1;
+    }
 }
