@@ -7,7 +7,7 @@ use candela::gpu_scene::arrays::SceneArrays;
 use candela::gpu_scene::memory::costs;
 use candela::scene::lights::LightTable;
 use candela::scene::{AlphaMode, Environment, Filter, Image, Material, PointLight, Primitive, Texture, Wrap};
-use glam::{Affine3A, UVec2, Vec2, Vec3, Vec4};
+use glam::{Affine3A, UVec2, Vec2, Vec3};
 use shared::bsdf;
 use shared::frame::Settings;
 use shared::frame::features;
@@ -15,7 +15,7 @@ use shared::material::{Reflectance, UNLIT_WHITE, UvMap, slot};
 use shared::math::luminance;
 use std::sync::Arc;
 use tests::gpu::{assert_no_validation_messages, device, reference, renderer, restir};
-use tests::scenes::{camera, floor_point, floor_radiance, scene, square};
+use tests::scenes::{camera, floor_point, floor_radiance, pane, scene, square};
 use tests::statistics::{block_means, largest_z, mean_and_error};
 
 const SIZE: UVec2 = UVec2::new(96, 64);
@@ -98,14 +98,8 @@ fn a_blended_pane_halves_the_light_in_the_mean() {
     let Some(device) = device() else { return };
     let camera = camera(SIZE);
     // The light is below the camera's rays' way: the pane hides under it, beside what the camera sees through.
-    let pane = Material {
-        alpha: AlphaMode::Blend,
-        base_color: Vec4::new(0.0, 0.0, 0.0, 0.5),
-        double_sided: true,
-        ..Material::default()
-    };
     // Around the light: every shadow ray crosses it once, near its end; few camera rays do.
-    let scene = scene(vec![lid(LIGHT.position - Vec3::Y * 0.02, 0.3)], vec![pane], vec![LIGHT]);
+    let scene = scene(vec![lid(LIGHT.position - Vec3::Y * 0.02, 0.3)], vec![pane()], vec![LIGHT]);
     let mut renderer = renderer(&device, &scene, SIZE, 1);
     let truth: Vec<Vec3> = pixels()
         .map(|(_, p)| {

@@ -1,10 +1,10 @@
 //! Smooth surfaces: what BSDF candidates find, against closed forms and the reference.
 
-use candela::scene::{AlphaMode, Material, SceneDescription};
+use candela::scene::SceneDescription;
 use glam::{DVec3, UVec2, Vec3, Vec4};
 use shared::frame::{Settings, mode};
 use tests::gpu::{assert_no_validation_messages, device, reference, renderer, restir};
-use tests::scenes::{camera, emitter, floor_point, kinds, occluded, scene, sky, square};
+use tests::scenes::{camera, emitter, floor_point, kinds, occluded, pane, scene, sky, square};
 use tests::statistics::{block_means, largest_z, mean_and_error};
 
 const SIZE: UVec2 = UVec2::new(64, 48);
@@ -109,14 +109,8 @@ fn mirrors_show_what_they_mirror() {
 fn mirrors_look_through_panes() {
     let Some(device) = device() else { return };
     let camera = camera(SIZE);
-    let pane = Material {
-        alpha: AlphaMode::Blend,
-        base_color: Vec4::new(0.0, 0.0, 0.0, 0.5),
-        double_sided: true,
-        ..Material::default()
-    };
     let wall = square(Vec3::new(0.0, 10.0, -10.5), Vec3::X * 40.0, Vec3::Y * 15.0, 1);
-    let mut behind = scene(vec![wall], vec![pane], vec![]);
+    let mut behind = scene(vec![wall], vec![pane()], vec![]);
     behind.environment = sky().environment;
     let mut renderer = renderer(&device, &metal(behind, 0.0), SIZE, 1);
     let truth: Vec<_> = mirror_pixels(sky_mirrored).into_iter().filter(|(_, l)| *l != Vec3::ZERO).collect();

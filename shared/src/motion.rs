@@ -44,8 +44,11 @@ impl InstanceMotion {
 
 #[cfg(not(target_arch = "spirv"))]
 impl InstanceMotion {
-    /// Between two places (object to world) of an instance. One that is flat now only shifts.
+    /// Between two places (object to world) of an instance. One that is flat now only shifts; one that stood still is all zero.
     pub fn between(previous: glam::Affine3A, current: glam::Affine3A) -> Self {
+        if previous == current {
+            return InstanceMotion::default();
+        }
         let (before, now) = (previous.matrix3.as_dmat3(), current.matrix3.as_dmat3());
         let back = before * now.inverse();
         let d = if back.is_finite() { back - glam::DMat3::IDENTITY } else { glam::DMat3::ZERO };

@@ -1,8 +1,8 @@
 //! Scenes whose radiance is known in closed form, and scenes with every kind of light for statistics.
 
 use candela::scene::{
-    DirectionalLight, Environment, Instance, Material, Mesh, PointLight, Primitive, SceneDescription,
-    SpotLight,
+    AlphaMode, DirectionalLight, Environment, Instance, Material, Mesh, PointLight, Primitive,
+    SceneDescription, SpotLight,
 };
 use glam::{Affine3A, DVec3, UVec2, Vec2, Vec3, Vec4};
 use shared::camera::Camera;
@@ -45,6 +45,16 @@ pub fn scene(
         materials,
         point_lights: lights,
         ..SceneDescription::default()
+    }
+}
+
+/// Lets half of the light through, reflects nothing, and is seen from both sides.
+pub fn pane() -> Material {
+    Material {
+        alpha: AlphaMode::Blend,
+        base_color: Vec4::new(0.0, 0.0, 0.0, 0.5),
+        double_sided: true,
+        ..Material::default()
     }
 }
 

@@ -81,8 +81,7 @@ impl<'a> World<'a> {
         let arrays = &self.occluders.arrays;
         let instance =
             (0..arrays.transforms.len()).find(|&i| arrays.geometries_of(i).contains(&(geometry as usize)))?;
-        let (then, now) = (past.transforms[instance], arrays.transforms[instance]);
-        let motion = if then == now { InstanceMotion::default() } else { InstanceMotion::between(then, now) };
+        let motion = InstanceMotion::between(past.transforms[instance], arrays.transforms[instance]);
         let lights = Lights::untextured(&past.lights);
         let lights = PastLights { lights, previous_to_current: &[], current_to_previous: &[] };
         Some(Before { lights, motion, transforms: &past.transforms })

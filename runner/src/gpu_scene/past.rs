@@ -198,10 +198,7 @@ impl GpuScene {
         let mut staged = Staged::default();
         for &i in past.now.instances.union(&past.before.instances) {
             let transform = self.arrays.transforms[i];
-            let motion = match past.drawn[i] == transform {
-                true => InstanceMotion::default(),
-                false => InstanceMotion::between(past.drawn[i], transform),
-            };
+            let motion = InstanceMotion::between(past.drawn[i], transform);
             past.drawn[i] = transform;
             let range = self.arrays.geometries_of(i);
             staged.add(

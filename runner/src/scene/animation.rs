@@ -134,11 +134,8 @@ impl Animation {
         for i in 0..SWEEP {
             let time = f64::from(self.duration()) * f64::from(i) / f64::from(SWEEP - 1);
             for (instance, world) in self.pose(time).instances() {
-                let Bounds { min, max } = boxes[scene.instances[instance].mesh];
-                for corner in 0..8 {
-                    let pick = |axis: usize| if corner >> axis & 1 == 0 { min[axis] } else { max[axis] };
-                    let corner = Vec3::new(pick(0), pick(1), pick(2));
-                    bounds.add(world.transform_point3(corner.as_dvec3()).as_vec3());
+                for corner in boxes[scene.instances[instance].mesh].corners() {
+                    bounds.add(world.transform_point3(corner).as_vec3());
                 }
             }
         }

@@ -286,6 +286,11 @@ impl Bounds {
         0.5 * (self.min + self.max)
     }
 
+    pub fn corners(&self) -> [DVec3; 8] {
+        let ends = [self.min.as_dvec3(), self.max.as_dvec3()];
+        std::array::from_fn(|i| DVec3::new(ends[i & 1].x, ends[i >> 1 & 1].y, ends[i >> 2].z))
+    }
+
     /// Length of the box along each axis.
     pub fn extent(&self) -> Vec3 {
         self.max - self.min

@@ -17,7 +17,7 @@ mod uri;
 mod warnings;
 
 use super::animation::{Local, Node, Thing};
-use super::{Instance, Mesh, Primitive, SceneDescription};
+use super::{Bounds, Instance, Mesh, Primitive, SceneDescription};
 use crate::error::{Error, Result};
 use crate::{parallel, startup};
 use glam::{DAffine3, DVec3, Vec3};
@@ -99,13 +99,16 @@ struct Loader<'b> {
 impl Loader<'_> {
     /// Reads the meshes of `nodes`, moves all nodes to the scene's origin, and gives that point in the file's world.
     fn recenter(&mut self, nodes: &mut [Placed]) -> Reason<DVec3> {
-        let mut extent = origin::Extent::default();
+        let mut worn = Vec::new();
         for placed in nodes.iter() {
-            let Some(mesh) = placed.node.mesh() else { continue };
-            if let Some((mesh, offset)) = self.mesh(&mesh)? {
-                let world = placed.world * DAffine3::from_translation(offset);
-                extent.add(&self.scene.meshes[mesh], &world);
+            if let Some(mesh) = placed.node.mesh().map(|mesh| self.mesh(&mesh)).transpose()?.flatten() {
+                worn.push((mesh, placed.world));
             }
+        }
+        let boxes: Vec<Bounds> = self.scene.meshes.iter().map(Mesh::bounds).collect();
+        let mut extent = origin::Extent::default();
+        for ((mesh, offset), world) in worn {
+            boxes[mesh].corners().into_iter().for_each(|p| extent.add(world.transform_point3(offset + p)));
         }
         let origin = extent.origin();
         nodes.iter_mut().for_each(|placed| placed.world.translation -= origin);
