@@ -28,11 +28,8 @@ pub fn sample(table: &[AliasEntry], random: [u32; 2]) -> (u32, Pmf) {
     }
     let column = random[0] & (table.len() as u32 - 1);
     let entry = table[column as usize];
-    if random[1] <= entry.threshold && entry.pmf > 0.0 {
-        (column, Pmf(entry.pmf))
-    } else {
-        (entry.alias, Pmf(entry.alias_pmf))
-    }
+    let own = (random[1] <= entry.threshold) & (entry.pmf > 0.0);
+    (if own { column } else { entry.alias }, Pmf(if own { entry.pmf } else { entry.alias_pmf }))
 }
 
 /// Builds the table for `weights` (any finite numbers >= 0; others count as 0), in f64. Gives an empty table when

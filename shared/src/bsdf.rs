@@ -26,13 +26,13 @@ pub const MIN_ALPHA: f32 = 1e-3;
 pub fn eval(reflectance: &Reflectance, n: Vec3, wo: Vec3, wi: Vec3) -> Vec3 {
     let cos_o = n.dot(wo);
     let cos_i = n.dot(wi);
-    if !(cos_o > 0.0 && cos_i > 0.0) {
+    if !((cos_o > 0.0) & (cos_i > 0.0)) {
         return Vec3::ZERO;
     }
-    let half = (wo + wi).normalize();
-    let fresnel = schlick(reflectance.f0, wi.dot(half).clamp(0.0, 1.0));
-    let alpha = alpha(reflectance);
-    let specular = specular(n, half, cos_o, cos_i, alpha);
+    let half = wo + wi;
+    // wi·h = |wo + wi| / 2 for unit directions.
+    let fresnel = schlick(reflectance.f0, 0.5 * half.length());
+    let specular = specular(n, half, cos_o, cos_i, alpha(reflectance));
     (Vec3::ONE - fresnel) * reflectance.diffuse * FRAC_1_PI + fresnel * specular
 }
 
@@ -43,15 +43,16 @@ fn schlick(f0: Vec3, cos: f32) -> Vec3 {
     f0 + (Vec3::ONE - f0) * (m2 * m2 * m)
 }
 
-/// D(h) V(wo, wi), 1/sr: D of Trowbridge & Reitz 1975, with sin²θ from the cross product, which keeps its digits at narrow
-/// lobes; V = G / (4 cosθo cosθi), height-correlated. One division for both.
+/// D(h) V(wo, wi), 1/sr, for `half` = h times any length: D of Trowbridge & Reitz 1975, with sin²θ from the cross product, which keeps its digits at narrow
+/// lobes; V = G / (4 cosθo cosθi), height-correlated. One division for all.
 fn specular(n: Vec3, half: Vec3, cos_o: f32, cos_i: f32, alpha: f32) -> f32 {
     let a2 = alpha * alpha;
     let cos_h = n.dot(half);
+    let square = half.length_squared();
     let lobe = n.cross(half).length_squared() + cos_h * cos_h * a2;
     let o = cos_i * (cos_o * cos_o * (1.0 - a2) + a2).sqrt();
     let i = cos_o * (cos_i * cos_i * (1.0 - a2) + a2).sqrt();
-    safe_ratio(0.5 * FRAC_1_PI * a2, lobe * lobe * (o + i))
+    safe_ratio(0.5 * FRAC_1_PI * a2 * (square * square), lobe * lobe * (o + i))
 }
 
 fn alpha(reflectance: &Reflectance) -> f32 {

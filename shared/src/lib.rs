@@ -28,6 +28,7 @@
 //! [`reservoir`], [`motion`], [`resampling`], [`shading`], [`reference`], [`tonemap`], [`view`], [`statistics`],
 //! [`stored_ray`], [`interface`].
 #![cfg_attr(target_arch = "spirv", no_std)]
+#![cfg_attr(target_arch = "spirv", feature(asm_experimental_arch))]
 
 pub mod alias_table;
 pub mod alpha;

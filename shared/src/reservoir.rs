@@ -42,7 +42,7 @@ impl Reservoir {
     ) -> bool {
         self.confidence += confidence;
         // False for NaN too; f32::MAX keeps the sum of few weights finite.
-        if !(resampling_weight > 0.0 && resampling_weight < 1e35) {
+        if !((resampling_weight > 0.0) & (resampling_weight < 1e35)) {
             return false;
         }
         self.weight_sum += resampling_weight;

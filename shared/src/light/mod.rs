@@ -16,7 +16,7 @@ use crate::environment;
 use crate::frame::features;
 #[cfg(not(target_arch = "spirv"))]
 use crate::math::luminance;
-use crate::math::{cross, normalize_or, safe_ratio};
+use crate::math::{cross, inverse_sqrt, normalize_or, safe_ratio};
 use crate::pdf::SourcePdf;
 use crate::sampling::{square_to_triangle, triangle_pdf, triangle_to_square};
 use bytemuck::{Pod, Zeroable};
@@ -25,8 +25,6 @@ use core::f32::consts::PI;
 #[cfg(not(target_arch = "spirv"))]
 use glam::{DVec3, UVec2};
 use glam::{Vec2, Vec3};
-#[cfg(target_arch = "spirv")]
-use spirv_std::num_traits::Float;
 
 /// `Light::kind`.
 pub mod kind {
@@ -202,11 +200,15 @@ impl Light {
 
     /// Density of a sample on this light in the light's own measure: 1/area, 1/solid angle, or 1 for a delta light.
     pub fn pdf_li(&self) -> SourcePdf {
-        match self.kind {
-            kind::TRIANGLE => SourcePdf(triangle_pdf(self.area).0),
-            kind::ENVIRONMENT => SourcePdf(safe_ratio(1.0, self.area)),
-            _ => SourcePdf(1.0),
+        self.pdf_li_among(u32::MAX)
+    }
+
+    /// The same where `features` (as in [`Lights`]) says which kinds there are.
+    pub fn pdf_li_among(&self, features: u32) -> SourcePdf {
+        if self.is_a(kind::TRIANGLE, features) {
+            return SourcePdf(triangle_pdf(self.area).0);
         }
+        SourcePdf(if self.is_a(kind::ENVIRONMENT, features) { safe_ratio(1.0, self.area) } else { 1.0 })
     }
 
     /// The point `square` of this light as seen from `receiver` (world space, m). A light at the receiver itself, or one
@@ -328,7 +330,7 @@ impl Segment {
     fn new(from: Vec3, to: Vec3) -> Self {
         let v = to - from;
         let square = v.length_squared();
-        let inverse = if square > 1e-30 { 1.0 / square.sqrt() } else { 0.0 };
+        let inverse = if square > 1e-30 { inverse_sqrt(square) } else { 0.0 };
         Segment { direction: v * inverse, distance: square * inverse, inverse_square: inverse * inverse }
     }
 }
@@ -336,5 +338,6 @@ impl Segment {
 /// emission cosθ' / d². Components that overflow become the largest number: one absurdly near light must not make a NaN
 /// pixel.
 fn fall_off(emission: Vec3, cos_light: f32, ray: &Segment) -> Vec3 {
-    (emission * (cos_light * ray.inverse_square)).min(Vec3::splat(1e30))
+    let e = emission * (cos_light * ray.inverse_square);
+    Vec3::new(e.x.min(1e30), e.y.min(1e30), e.z.min(1e30))
 }

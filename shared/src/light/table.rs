@@ -75,7 +75,11 @@ impl<'a> Lights<'a> {
 
     /// Density of a sample on `light` in the light's own measure; 0 for no light.
     pub fn pdf_li(self, light: u32) -> SourcePdf {
-        if light < self.count() { self.lights[light as usize].pdf_li() } else { SourcePdf(0.0) }
+        if light < self.count() {
+            self.lights[light as usize].pdf_li_among(self.features)
+        } else {
+            SourcePdf(0.0)
+        }
     }
 }
 
