@@ -295,10 +295,10 @@ fn a_still_scene_has_no_past() {
     let mut renderer = renderer(&device, &scene, SIZE, 1);
     let camera = camera(SIZE);
     let stems = |moved: bool| {
-        let (steps, _) = schedule(&Work::Restir(Settings::default()), Rotation::default(), moved);
+        let (steps, _) = schedule(&Work::Restir(Settings::default()), 0, Rotation::default(), moved);
         steps.iter().map(|step| (step.pass.stem, step.pass.past)).collect::<Vec<_>>()
     };
-    let still = ["gbuffer", "initial", "temporal_unbiased", "spatial_unbiased", "shade", "tonemap"];
+    let still = ["gbuffer", "initial", "temporal_unbiased", "spatial_unbiased", "shade_known", "tonemap"];
     assert_eq!(stems(false), still.map(|stem| (stem, false)));
     assert_eq!(stems(true).len(), still.len(), "motion exchanges a pass, and adds none");
     assert_eq!(passes::ALL.iter().filter(|pass| pass.past).count(), 2);

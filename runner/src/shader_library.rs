@@ -14,7 +14,7 @@ macro_rules! modules {
 }
 
 modules! {
-    "gbuffer" "initial" "temporal" "spatial" "shade" "tonemap" "reference"
+    "gbuffer" "initial" "temporal" "spatial" "shade" "shade_known" "tonemap" "reference"
     "accumulate" "view" "statistics" "floor_primary" "floor_shadow" "floor_copy"
     "presample" "initial_tiled" "temporal_unbiased" "spatial_unbiased"
     "temporal_moving" "temporal_unbiased_moving"

@@ -13,6 +13,7 @@ pub mod initial_tiled;
 pub mod presample;
 pub mod reference;
 pub mod shade;
+pub mod shade_known;
 pub mod spatial;
 pub mod spatial_unbiased;
 pub mod statistics;

@@ -1,4 +1,4 @@
-//! Pass 5: the radiance of each pixel from its reservoirs, one shadow ray each.
+//! Pass 5: the radiance of each pixel from its reservoirs, one shadow ray each; [`crate::shade_known`] where no ray is needed.
 
 use crate::trace::trace_shadow;
 use shared::alias_table::AliasEntry;
@@ -43,9 +43,7 @@ pub fn shade(
         let stored = reservoirs[reservoir_index(frame, pixel, lane) as usize];
         let proposal = shading::propose(&surface, lights, stored);
         let key = alpha::key(rng.next_u32x4().x);
-        let known = !frame.settings.shading_needs_rays(features);
-        let visible =
-            !proposal.is_dark() && (known || trace_shadow(tlas, features, proposal.ray, key, payload));
+        let visible = !proposal.is_dark() && trace_shadow(tlas, features, proposal.ray, key, payload);
         lit.add(proposal, visible);
         lane += 1;
     }

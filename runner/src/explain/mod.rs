@@ -233,7 +233,7 @@ impl<'a> Witness<'a> {
                 let iteration = step.constants.iteration;
                 reports.extend(lanes.map(|lane| replay.spatial(stem, iteration, lane, &before, &after)));
             }
-            "shade" => {
+            "shade" | "shade_known" => {
                 let before: Vec<_> = history.read_role(step, Role::ReservoirsIn)?;
                 self.shading = Some(replay.shade(&before, self.emission, self.radiance(history)?));
             }

@@ -8,7 +8,7 @@ use shared::frame::Settings;
 /// Rays a pixel of a frame with these settings, at most; fewer where nothing is hit or a sample's visibility is known.
 /// `features`: of the scene.
 pub fn most(settings: &Settings, features: u32) -> u64 {
-    let (steps, _) = schedule(&Work::Restir(*settings), Rotation::default(), false);
+    let (steps, _) = schedule(&Work::Restir(*settings), features, Rotation::default(), false);
     steps.iter().map(|step| of_step(step, settings, features)).sum()
 }
 
@@ -25,7 +25,7 @@ fn of_step(step: &Step, settings: &Settings, features: u32) -> u64 {
         "temporal_unbiased" | "temporal_unbiased_moving" | "spatial_unbiased" => {
             2 * u64::from(settings.visibility_is_known())
         }
-        "shade" => u64::from(settings.reservoirs) * u64::from(settings.shading_needs_rays(features)),
+        "shade" => u64::from(settings.reservoirs),
         "reference" => u64::from(step.constants.light_count),
         _ => 1,
     };
@@ -59,7 +59,7 @@ mod tests {
         for mode in [mode::BIASED, mode::UNBIASED] {
             let settings = Settings { mode, ..Settings::default() };
             let rays = |moved| -> u64 {
-                let (steps, _) = schedule(&Work::Restir(settings), Rotation::default(), moved);
+                let (steps, _) = schedule(&Work::Restir(settings), 0, Rotation::default(), moved);
                 steps.iter().map(|step| of_step(step, &settings, 0)).sum()
             };
             assert_eq!(rays(true), rays(false));

@@ -182,7 +182,7 @@ impl Recorder {
             environment_size: self.scene.environment_size(),
             first_environment_light: self.scene.first_environment_light(),
         };
-        let (steps, next) = schedule(&options.work, history.rotation, moved);
+        let (steps, next) = schedule(&options.work, self.scene.features(), history.rotation, moved);
         self.pipelines.prepare(steps.iter().map(|step| step.pass))?;
         Ok(Plan { constants, steps, next, now })
     }

@@ -2,8 +2,8 @@
 
 use super::pass::{BufferId, Pass, Role, Step};
 use super::passes::{
-    gbuffer, initial, initial_tiled, presample, reference, shade, spatial, spatial_unbiased, temporal,
-    temporal_moving, temporal_unbiased, temporal_unbiased_moving, tonemap,
+    gbuffer, initial, initial_tiled, presample, reference, shade, shade_known, spatial, spatial_unbiased,
+    temporal, temporal_moving, temporal_unbiased, temporal_unbiased_moving, tonemap,
 };
 use shared::frame::{Settings, mode};
 use shared::interface::PassConstants;
@@ -33,10 +33,10 @@ pub enum Work {
 }
 
 /// The passes of one frame and the rotation that the next frame starts from. `moved`: the scene is not where it was in the
-/// frame before.
-pub fn schedule(work: &Work, rotation: Rotation, moved: bool) -> (Vec<Step>, Rotation) {
-    let mut frame =
-        Frame { moved, rotation, input: rotation.history, output: rotation.other(0), steps: Vec::new() };
+/// frame before. `features`: of the scene.
+pub fn schedule(work: &Work, features: u32, rotation: Rotation, moved: bool) -> (Vec<Step>, Rotation) {
+    let (input, output) = (rotation.history, rotation.other(0));
+    let mut frame = Frame { features, moved, rotation, input, output, steps: Vec::new() };
     if let Work::ReferenceSlice { first, count } = *work {
         if first == 0 {
             frame.push(&gbuffer::PASS, PassConstants::default());
@@ -59,7 +59,7 @@ pub fn schedule(work: &Work, rotation: Rotation, moved: bool) -> (Vec<Step>, Rot
 pub fn looks(passes: &[(&'static Pass, PassConstants)], after: Rotation) -> Vec<Step> {
     let rotation = Rotation { gbuffer: 1 - after.gbuffer, ..after };
     let (input, output) = (after.history, after.other(0));
-    let mut frame = Frame { moved: false, rotation, input, output, steps: Vec::new() };
+    let mut frame = Frame { features: 0, moved: false, rotation, input, output, steps: Vec::new() };
     for &(pass, constants) in passes {
         frame.push(pass, constants);
     }
@@ -84,6 +84,7 @@ impl Rotation {
 }
 
 struct Frame {
+    features: u32,
     moved: bool,
     rotation: Rotation,
     /// Reservoirs the next pass reads / the next pass writes.
@@ -117,7 +118,8 @@ impl Frame {
             }
         }
         self.input = self.output;
-        self.push(&shade::PASS, PassConstants::default());
+        let asks = settings.shading_needs_rays(self.features);
+        self.push(if asks { &shade::PASS } else { &shade_known::PASS }, PassConstants::default());
     }
 
     fn reference(&mut self, lights: Range<u32>) {
@@ -174,7 +176,7 @@ mod tests {
         let mut rotation = Rotation::default();
         let mut content: HashMap<BufferId, (u32, &str)> = HashMap::new();
         for frame in 0..7 {
-            let (steps, next) = schedule(work, rotation, frame % 2 == 1);
+            let (steps, next) = schedule(work, 0, rotation, frame % 2 == 1);
             let mut last_reservoirs = "";
             for step in &steps {
                 for (&(role, access), buffer) in step.pass.uses.iter().zip(&step.buffers) {
@@ -211,7 +213,7 @@ mod tests {
     #[test]
     fn the_thesis_frame_reads_like_the_paper() {
         let thesis = Settings { mode: mode::BIASED, spatial_iterations: 2, ..Settings::default() };
-        let (steps, _) = schedule(&Work::Restir(thesis), Rotation::default(), false);
+        let (steps, _) = schedule(&Work::Restir(thesis), 0, Rotation::default(), false);
         let stems: Vec<_> = steps.iter().map(|s| s.pass.stem).collect();
         assert_eq!(stems, ["gbuffer", "initial", "temporal", "spatial", "spatial", "shade", "tonemap"]);
         assert!(barriers(&steps).iter().all(|&wait| wait), "each pass needs the one before it");
@@ -220,7 +222,7 @@ mod tests {
     #[test]
     fn the_reference_covers_each_light_once() {
         for lights in [0, 1, 63, 64, 65, 500] {
-            let (steps, _) = schedule(&Work::Reference { lights }, Rotation::default(), false);
+            let (steps, _) = schedule(&Work::Reference { lights }, 0, Rotation::default(), false);
             let ranges = steps.iter().filter(|s| s.pass.stem == "reference").map(|s| s.constants);
             let covered: Vec<u32> =
                 ranges.flat_map(|c| c.first_light..c.first_light + c.light_count).collect();
@@ -233,7 +235,7 @@ mod tests {
         let mut rotation = Rotation::default();
         let mut covered = Vec::new();
         for (first, count) in [(0, 100), (100, 30), (130, 1)] {
-            let (steps, next) = schedule(&Work::ReferenceSlice { first, count }, rotation, false);
+            let (steps, next) = schedule(&Work::ReferenceSlice { first, count }, 0, rotation, false);
             let surfaces = steps.iter().filter(|s| s.pass.stem == "gbuffer").count();
             assert_eq!(surfaces, usize::from(first == 0), "one set of surfaces for all");
             let adds = steps.iter().filter(|s| s.pass.stem == "reference").map(|s| s.constants);

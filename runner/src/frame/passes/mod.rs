@@ -10,6 +10,7 @@ pub mod initial_tiled;
 pub mod presample;
 pub mod reference;
 pub mod shade;
+pub mod shade_known;
 pub mod spatial;
 pub mod spatial_unbiased;
 pub mod statistics;
@@ -25,7 +26,7 @@ use super::pass::Pass;
 /// All passes. A frame takes either the biased or the unbiased pair of reuse passes, the temporal one `_moving` where something
 /// moved; `reference` stands in for all from `initial` to `shade`. Those after `tonemap` follow where somebody asks for them: three are
 /// the viewer's, three measure floors.
-pub const ALL: [&Pass; 19] = [
+pub const ALL: [&Pass; 20] = [
     &gbuffer::PASS,
     &initial::PASS,
     &presample::PASS,
@@ -37,6 +38,7 @@ pub const ALL: [&Pass; 19] = [
     &temporal_unbiased_moving::PASS,
     &spatial_unbiased::PASS,
     &shade::PASS,
+    &shade_known::PASS,
     &reference::PASS,
     &tonemap::PASS,
     &accumulate::PASS,

@@ -47,8 +47,7 @@ pub fn rays(
     settings: Settings,
     mut trace: impl FnMut(&mut Renderer, &[StoredRay]) -> Result<Vec<u32>>,
 ) -> Result<Vec<Captured>> {
-    let features = renderer.scene().features();
-    let mut capture = Capture { lights, features, gbuffer: Vec::new(), fresh: Vec::new(), found: Vec::new() };
+    let mut capture = Capture { lights, gbuffer: Vec::new(), fresh: Vec::new(), found: Vec::new() };
     let (recorder, history) = renderer.parts();
     recorder.render_stepwise(history, camera, &options(settings), |history, frame, step| {
         capture.see(history, frame, step)
@@ -93,7 +92,6 @@ impl Found {
 
 struct Capture<'a> {
     lights: &'a SceneLights,
-    features: u32,
     gbuffer: Vec<GBufferTexel>,
     /// As `initial` left them.
     fresh: Vec<StoredReservoir>,
@@ -131,9 +129,7 @@ impl Capture<'_> {
         let settings = &found.frame.settings;
         match found.pass {
             "gbuffer" => Ok(vec![self.captured(found, |pixel| Some(primary(&found.frame, pixel)))]),
-            "shade" if settings.shading_needs_rays(self.features) => {
-                Ok(vec![self.captured(found, |pixel| self.shading(found, pixel))])
-            }
+            "shade" => Ok(vec![self.captured(found, |pixel| self.shading(found, pixel))]),
             "temporal_unbiased" | "spatial_unbiased" if settings.visibility_is_known() => {
                 let first = self.captured(found, |pixel| self.reuse(found, pixel, true)[0]);
                 let hits = trace(&first.rays)?;
