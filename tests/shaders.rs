@@ -70,7 +70,10 @@ fn every_module_has_its_entry_point() {
         assert!(manifest.modules.contains_key(stem), "{stem} is in the library and not in the manifest");
         let expected = match passes::ALL.iter().find(|pass| pass.stem == stem).map(|pass| pass.stage) {
             Some(Stage::Compute) => ExecutionModel::GLCompute,
+            Some(Stage::Raster) => ExecutionModel::Fragment,
             Some(Stage::RayTracing(_)) => ExecutionModel::RayGenerationNV,
+            None if stem.ends_with("_vertex") => ExecutionModel::Vertex,
+            None if stem.ends_with("_alpha") => ExecutionModel::Fragment,
             None if stem.ends_with("_miss") => ExecutionModel::MissNV,
             None if stem.ends_with("_any_hit") => ExecutionModel::AnyHitNV,
             None => ExecutionModel::ClosestHitNV,
@@ -110,6 +113,7 @@ fn element(set: u32, binding: u32) -> Option<(&'static str, usize)> {
         (frame::SET, frame::RAYS) => ("fffufffu", size_of::<StoredRay>()),
         (frame::SET, frame::DISPLAY | frame::HITS) => ("u", 4),
         (frame::SET, frame::TILE_ENTRIES) => ("fffuuufu", size_of::<TileEntry>()),
+        (frame::SET, frame::VISIBILITY) => ("uu", size_of::<glam::UVec2>()),
         (frame::SET, frame::TILE_POINTS) => ("u", 4),
         (past::SET, past::MOTIONS) => ("fffffffffffffffu", size_of::<InstanceMotion>()),
         (past::SET, past::PREVIOUS_TO_CURRENT | past::CURRENT_TO_PREVIOUS) => ("u", 4),
@@ -182,7 +186,7 @@ fn payloads_and_push_constants_have_one_layout() {
             Stage::RayTracing(Rays::Both) => {
                 incoming("closest_hit").into_iter().chain(incoming("shadow_miss")).collect()
             }
-            Stage::Compute => vec![],
+            Stage::Compute | Stage::Raster => vec![],
         };
         assert_eq!(module.layouts_of(StorageClass::RayPayloadNV), expected, "{}", pass.stem);
         for constants in module.layouts_of(StorageClass::PushConstant) {

@@ -2,9 +2,10 @@
 
 use super::pass::{BufferId, Pass, Role, Step};
 use super::passes::{
-    gbuffer, initial, initial_tiled, presample, reference, shade, spatial, spatial_unbiased, temporal,
-    temporal_moving, temporal_unbiased, temporal_unbiased_moving, tonemap,
+    gbuffer, gbuffer_raster, initial, initial_tiled, presample, reference, shade, spatial, spatial_unbiased,
+    temporal, temporal_moving, temporal_unbiased, temporal_unbiased_moving, tonemap, visibility,
 };
+use serde::{Deserialize, Serialize};
 use shared::frame::{Settings, mode};
 use shared::interface::PassConstants;
 use std::ops::Range;
@@ -21,6 +22,17 @@ pub struct Rotation {
     history: usize,
 }
 
+/// How a frame finds what its pixels see. Both give the same surfaces, but where a pixel's center lies on an edge.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Primary {
+    /// The graphics pipeline draws the scene.
+    #[default]
+    Raster,
+    /// A ray a pixel.
+    Rays,
+}
+
 /// What a frame computes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Work {
@@ -34,18 +46,18 @@ pub enum Work {
 
 /// The passes of one frame and the rotation that the next frame starts from. `moved`: the scene is not where it was in the
 /// frame before.
-pub fn schedule(work: &Work, rotation: Rotation, moved: bool) -> (Vec<Step>, Rotation) {
+pub fn schedule(work: &Work, primary: Primary, rotation: Rotation, moved: bool) -> (Vec<Step>, Rotation) {
     let mut frame =
         Frame { moved, rotation, input: rotation.history, output: rotation.other(0), steps: Vec::new() };
     if let Work::ReferenceSlice { first, count } = *work {
         if first == 0 {
-            frame.push(&gbuffer::PASS, PassConstants::default());
+            frame.surfaces(primary);
         }
         frame.reference(first..first + count);
         // The next slice adds to the same surfaces.
         return (frame.steps, rotation);
     }
-    frame.push(&gbuffer::PASS, PassConstants::default());
+    frame.surfaces(primary);
     match *work {
         Work::Restir(ref settings) => frame.restir(settings),
         Work::Reference { lights } => frame.reference(0..lights),
@@ -93,6 +105,14 @@ struct Frame {
 }
 
 impl Frame {
+    fn surfaces(&mut self, primary: Primary) {
+        let passes: &[&'static Pass] = match primary {
+            Primary::Raster => &[&visibility::PASS, &gbuffer_raster::PASS],
+            Primary::Rays => &[&gbuffer::PASS],
+        };
+        passes.iter().for_each(|pass| self.push(pass, PassConstants::default()));
+    }
+
     fn restir(&mut self, settings: &Settings) {
         let (temporal, spatial) = match (settings.mode == mode::UNBIASED, self.moved) {
             (true, true) => (&temporal_unbiased_moving::PASS, &spatial_unbiased::PASS),
@@ -148,6 +168,7 @@ impl Frame {
             Role::Statistics => BufferId::Statistics,
             Role::Rays => BufferId::Rays,
             Role::Hits => BufferId::Hits,
+            Role::Visibility => BufferId::Visibility,
         }
     }
 }
@@ -165,25 +186,29 @@ mod tests {
             for (temporal, spatial) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
                 let settings =
                     Settings { temporal, spatial, spatial_iterations: iterations, ..Default::default() };
-                follow(&Work::Restir(settings));
+                follow(&Work::Restir(settings), Primary::Raster, "gbuffer_raster");
+                follow(&Work::Restir(settings), Primary::Rays, "gbuffer");
             }
         }
     }
 
-    fn follow(work: &Work) {
+    fn follow(work: &Work, primary: Primary, surfaces: &str) {
         let mut rotation = Rotation::default();
         let mut content: HashMap<BufferId, (u32, &str)> = HashMap::new();
         for frame in 0..7 {
-            let (steps, next) = schedule(work, rotation, frame % 2 == 1);
+            let (steps, next) = schedule(work, primary, rotation, frame % 2 == 1);
             let mut last_reservoirs = "";
             for step in &steps {
                 for (&(role, access), buffer) in step.pass.uses.iter().zip(&step.buffers) {
                     let found = content.get(buffer).copied();
                     match role {
                         Role::GBuffer if access == Access::Read => {
-                            assert_eq!(found, Some((frame, "gbuffer")))
+                            assert_eq!(found, Some((frame, surfaces)))
                         }
-                        Role::PreviousGBuffer if frame > 0 => assert_eq!(found, Some((frame - 1, "gbuffer"))),
+                        Role::PreviousGBuffer if frame > 0 => assert_eq!(found, Some((frame - 1, surfaces))),
+                        Role::Visibility if access == Access::Read => {
+                            assert_eq!(found, Some((frame, "visibility")))
+                        }
                         Role::ReservoirsIn => assert_eq!(found, Some((frame, last_reservoirs))),
                         Role::ReservoirsHistory if frame > 0 => {
                             assert_eq!(found.map(|f| f.0), Some(frame - 1), "history is of the frame before");
@@ -200,10 +225,10 @@ mod tests {
                 }
             }
             let view = looks(&[(&super::super::passes::view::PASS, PassConstants::default())], next);
-            assert_eq!(content[&view[0].buffers[0]], (frame, "gbuffer"));
+            assert_eq!(content[&view[0].buffers[0]], (frame, surfaces));
             assert_eq!(content[&view[0].buffers[1]], (frame, last_reservoirs));
             assert_eq!(content[&next.last_reservoirs()], (frame, last_reservoirs));
-            assert_eq!(content[&next.last_gbuffer()], (frame, "gbuffer"));
+            assert_eq!(content[&next.last_gbuffer()], (frame, surfaces));
             rotation = next;
         }
     }
@@ -211,7 +236,7 @@ mod tests {
     #[test]
     fn the_thesis_frame_reads_like_the_paper() {
         let thesis = Settings { mode: mode::BIASED, spatial_iterations: 2, ..Settings::default() };
-        let (steps, _) = schedule(&Work::Restir(thesis), Rotation::default(), false);
+        let (steps, _) = schedule(&Work::Restir(thesis), Primary::Rays, Rotation::default(), false);
         let stems: Vec<_> = steps.iter().map(|s| s.pass.stem).collect();
         assert_eq!(stems, ["gbuffer", "initial", "temporal", "spatial", "spatial", "shade", "tonemap"]);
         assert!(barriers(&steps).iter().all(|&wait| wait), "each pass needs the one before it");
@@ -220,7 +245,8 @@ mod tests {
     #[test]
     fn the_reference_covers_each_light_once() {
         for lights in [0, 1, 63, 64, 65, 500] {
-            let (steps, _) = schedule(&Work::Reference { lights }, Rotation::default(), false);
+            let (steps, _) =
+                schedule(&Work::Reference { lights }, Primary::Raster, Rotation::default(), false);
             let ranges = steps.iter().filter(|s| s.pass.stem == "reference").map(|s| s.constants);
             let covered: Vec<u32> =
                 ranges.flat_map(|c| c.first_light..c.first_light + c.light_count).collect();
@@ -233,8 +259,9 @@ mod tests {
         let mut rotation = Rotation::default();
         let mut covered = Vec::new();
         for (first, count) in [(0, 100), (100, 30), (130, 1)] {
-            let (steps, next) = schedule(&Work::ReferenceSlice { first, count }, rotation, false);
-            let surfaces = steps.iter().filter(|s| s.pass.stem == "gbuffer").count();
+            let (steps, next) =
+                schedule(&Work::ReferenceSlice { first, count }, Primary::Raster, rotation, false);
+            let surfaces = steps.iter().filter(|s| s.pass.stem == "gbuffer_raster").count();
             assert_eq!(surfaces, usize::from(first == 0), "one set of surfaces for all");
             let adds = steps.iter().filter(|s| s.pass.stem == "reference").map(|s| s.constants);
             covered.extend(adds.flat_map(|c| c.first_light..c.first_light + c.light_count));

@@ -40,6 +40,8 @@ pub struct Limits {
     pub handle_alignment: u32,
     pub table_alignment: u32,
     pub max_ray_dispatch: u32,
+    /// Draws of one indirect command.
+    pub max_draws: u32,
     pub scratch_alignment: u32,
     /// Of a bottom-level structure.
     pub max_geometries: u64,
@@ -337,7 +339,9 @@ fn create(
 ) -> Result<(ash::Device, bool)> {
     // SAFETY: a device of this instance.
     let present = unsafe { instance.get_physical_device_features(physical.handle) };
-    let optional = vk::PhysicalDeviceFeatures::default()
+    let enabled = vk::PhysicalDeviceFeatures::default()
+        .multi_draw_indirect(true)
+        .draw_indirect_first_instance(true)
         .sampler_anisotropy(present.sampler_anisotropy == vk::TRUE)
         .shader_storage_image_extended_formats(present.shader_storage_image_extended_formats == vk::TRUE);
     let mut v12 = physical::vulkan12_features();
@@ -354,7 +358,7 @@ fn create(
     let mut info = vk::DeviceCreateInfo::default()
         .queue_create_infos(&queues)
         .enabled_extension_names(&names)
-        .enabled_features(&optional)
+        .enabled_features(&enabled)
         .push_next(&mut v12)
         .push_next(&mut acceleration)
         .push_next(&mut ray_tracing);
@@ -364,7 +368,7 @@ fn create(
     // SAFETY: `choose` has seen that the device has these extensions and features.
     let device = unsafe { instance.create_device(physical.handle, &info, None) }
         .check(format_args!("create device '{}'", physical.info.name))?;
-    Ok((device, optional.sampler_anisotropy == vk::TRUE))
+    Ok((device, enabled.sampler_anisotropy == vk::TRUE))
 }
 
 fn limits(instance: &ash::Instance, physical: &PhysicalDevice, anisotropy: bool) -> Limits {
@@ -388,6 +392,7 @@ fn limits(instance: &ash::Instance, physical: &PhysicalDevice, anisotropy: bool)
         handle_alignment: ray_tracing.shader_group_handle_alignment,
         table_alignment: ray_tracing.shader_group_base_alignment,
         max_ray_dispatch: ray_tracing.max_ray_dispatch_invocation_count,
+        max_draws: limits.max_draw_indirect_count,
         scratch_alignment: acceleration.min_acceleration_structure_scratch_offset_alignment,
         max_geometries: acceleration.max_geometry_count,
         max_triangles: acceleration.max_primitive_count,
