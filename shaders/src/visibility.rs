@@ -11,7 +11,7 @@ use shared::raster;
 use spirv_std::arch::kill;
 use spirv_std::spirv;
 
-/// A corner of a triangle: the draw's first instance is the geometry, and vertices are counted through its triangles.
+/// A corner of an opaque triangle: the draw's first instance is the geometry, and vertices are counted through its triangles.
 #[spirv(vertex(entry_point_name = "visibility_vertex"))]
 pub fn visibility_vertex(
     #[spirv(vertex_index)] vertex: u32,
@@ -22,14 +22,29 @@ pub fn visibility_vertex(
     #[spirv(uniform, descriptor_set = 1, binding = 0)] frame: &FrameConstants,
     #[spirv(position)] place: &mut Vec4,
     #[spirv(flat)] triangle: &mut UVec2,
-    barycentrics: &mut Vec2,
 ) {
     let geometry = instances[instance as usize];
     let corner = raster::Corner::new(&geometry, vertex);
     let position = positions[(geometry.first_vertex + indices[corner.index(&geometry) as usize]) as usize];
     *place = geometry.clip(&frame.camera, position);
     *triangle = raster::stored(instance, corner.primitive);
-    *barycentrics = corner.barycentrics();
+}
+
+/// A corner of a masked or blended triangle.
+#[spirv(vertex(entry_point_name = "visibility_alpha_vertex"))]
+pub fn visibility_alpha_vertex(
+    #[spirv(vertex_index)] vertex: u32,
+    #[spirv(instance_index)] instance: u32,
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] instances: &[InstanceGeometry],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] positions: &[Vec3],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 4)] indices: &[u32],
+    #[spirv(uniform, descriptor_set = 1, binding = 0)] frame: &FrameConstants,
+    #[spirv(position)] place: &mut Vec4,
+    #[spirv(flat)] triangle: &mut UVec2,
+    barycentrics: &mut Vec2,
+) {
+    visibility_vertex(vertex, instance, instances, positions, indices, frame, place, triangle);
+    *barycentrics = raster::Corner::new(&instances[instance as usize], vertex).barycentrics();
 }
 
 /// A pixel of an opaque triangle.

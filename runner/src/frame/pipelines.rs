@@ -117,12 +117,14 @@ impl Pipelines {
 
     fn compile_raster(&self, pass: &Pass, interface: Interface<'_>) -> Result<PassPipeline> {
         let load = |part: &str| Code::load(&format!("{}{part}", pass.stem));
-        let (vertex, opaque, alpha) = (load("_vertex")?, load("")?, load("_alpha")?);
+        let opaque = [load("_vertex")?, load("")?];
+        let alpha = [load("_alpha_vertex")?, load("_alpha")?];
         let pipeline = |kind: DrawKind| {
+            let [vertex, fragment] = if kind.transparent { &alpha } else { &opaque };
             let desc = DrawPipelineDesc {
                 name: pass.stem,
                 vertex: vertex.shader(),
-                fragment: if kind.transparent { alpha.shader() } else { opaque.shader() },
+                fragment: fragment.shader(),
                 culls: !kind.double_sided,
                 interface,
             };
