@@ -282,15 +282,15 @@ fn no_pixel_traces_more_rays_than_announced() {
             let of_pass = |p: &PassReport| (p.pass, p.rays.len() + p.glances.len());
             let rays: Vec<_> = e.passes.iter().map(of_pass).chain(shading).collect();
             let all: usize = rays.iter().map(|(_, rays)| rays).sum();
-            // The eye's ray comes to them.
-            assert!((all as u64) < most, "{name}: {rays:?} of {most}");
+            // The eye has no ray: what it sees is drawn.
+            assert!(all as u64 <= most, "{name}: {rays:?} of {most}");
             for &(pass, rays) in &rays {
                 reached.entry(pass).and_modify(|most| *most = rays.max(*most)).or_insert(rays);
             }
             passes = rays.into_iter().map(|(pass, _)| pass).collect();
         }
         let all: usize = passes.iter().map(|pass| reached[pass]).sum();
-        assert_eq!(1 + all as u64, most, "{name}: {reached:?}");
+        assert_eq!(all as u64, most, "{name}: {reached:?}");
     }
 }
 

@@ -9,6 +9,7 @@ use shared::interface::{
     HitPayload, PassConstants, ShadowPayload, WORKGROUP, frame_binding as frame, past_binding as past,
     scene_binding as scene,
 };
+use std::collections::BTreeSet;
 use std::path::Path;
 use std::process::Command;
 use tests::spirv::{Layout, Spirv};
@@ -152,17 +153,30 @@ fn frame_constants_have_one_layout() {
 #[test]
 fn passes_declare_what_their_shaders_use() {
     for pass in passes::ALL {
-        let bindings = Spirv::parse(shader_library::spirv(pass.stem).unwrap()).bindings();
-        let used: Vec<u32> = bindings.keys().filter(|k| k.0 == frame::SET).map(|k| k.1).collect();
+        let drawn = pass.stage == Stage::Raster;
+        let parts = if drawn { &["_vertex", "", "_alpha_vertex", "_alpha"][..] } else { &[""] };
+        let bindings: BTreeSet<(u32, u32)> = parts
+            .iter()
+            .flat_map(|part| {
+                Spirv::parse(shader_library::spirv(&format!("{}{part}", pass.stem)).unwrap()).bindings()
+            })
+            .map(|(place, _)| place)
+            .collect();
+        let used: Vec<u32> = bindings.iter().filter(|k| k.0 == frame::SET).map(|k| k.1).collect();
         let mut declared: Vec<u32> = pass.uses.iter().map(|(role, _)| role.binding()).collect();
+        if drawn {
+            // Its image is copied to the buffer that it declares.
+            assert_eq!(declared, [frame::VISIBILITY]);
+            declared.clear();
+        }
         declared.push(frame::CONSTANTS);
         declared.sort_unstable();
         assert_eq!(used, declared, "{}", pass.stem);
-        let of_the_past: Vec<u32> = bindings.keys().filter(|k| k.0 == past::SET).map(|k| k.1).collect();
+        let of_the_past: Vec<u32> = bindings.iter().filter(|k| k.0 == past::SET).map(|k| k.1).collect();
         assert_eq!(!of_the_past.is_empty(), pass.past, "{}", pass.stem);
         assert!(of_the_past.iter().all(|&binding| binding <= past::CURRENT_TO_PREVIOUS));
         let known = |set: u32| [frame::SET, past::SET].contains(&set);
-        assert!(bindings.keys().all(|k| known(k.0) || k.0 == scene::SET && k.1 <= scene::TEXTURES));
+        assert!(bindings.iter().all(|k| known(k.0) || k.0 == scene::SET && k.1 <= scene::TEXTURES));
     }
 }
 

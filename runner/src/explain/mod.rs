@@ -188,10 +188,11 @@ impl<'a> Witness<'a> {
             self.gbuffer = history.read_role(step, Role::GBuffer)?;
             self.emission = self.radiance(history)?;
         }
-        let texel = self.gbuffer[frame.pixel_index(self.pixel) as usize];
-        if texel.is_empty() {
+        // Before the G-buffer is filled there is nothing to follow either.
+        let Some(texel) = self.gbuffer.get(frame.pixel_index(self.pixel) as usize).filter(|t| !t.is_empty())
+        else {
             return Ok(());
-        }
+        };
         let replay = Replay {
             world: self.world,
             frame: *frame,
