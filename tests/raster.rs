@@ -246,6 +246,7 @@ fn pixels_show_the_triangles_that_f64_finds() {
             assert!((verdict.open as f64) < open * pixels as f64, "{name}: {verdict:?}");
             for &error in planted {
                 let verdict = judge(&seen, &oracle(error), camera);
+                println!("{name}, {primary:?}, planted {error:?}: {verdict:?}");
                 assert!(verdict.wrong > 20, "{name}, {primary:?}: {error:?} was not seen: {verdict:?}");
             }
         }

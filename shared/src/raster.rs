@@ -87,8 +87,9 @@ pub fn barycentrics(corners: [Vec3; 3], direction: Vec3) -> Vec2 {
 
 /// The weights nearest to `b` that a triangle has; its first corner for what is no number.
 fn inside(b: Vec2) -> Vec2 {
-    // Bounded first: infinite weights have no ratio.
-    let b = Vec2::new(b.x.max(0.0).min(1e18), b.y.max(0.0).min(1e18));
+    // Infinite weights have no ratio, and what is no number is not above 0.
+    let weight = |w: f32| if w > 0.0 { w.min(1e18) } else { 0.0 };
+    let b = Vec2::new(weight(b.x), weight(b.y));
     b / (b.x + b.y).max(1.0)
 }
 

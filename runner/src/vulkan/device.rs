@@ -60,6 +60,8 @@ pub struct Limits {
     pub max_textures: u32,
     /// Side of a 2D image, texels.
     pub max_image_side: u32,
+    /// Width or height of a picture that the graphics pipeline draws.
+    pub max_drawn_side: u32,
     /// 1 where the device has no anisotropic filter.
     pub max_anisotropy: f32,
 }
@@ -387,6 +389,8 @@ fn limits(instance: &ash::Instance, physical: &PhysicalDevice, anisotropy: bool)
         limits.max_descriptor_set_samplers,
         limits.max_descriptor_set_sampled_images,
     ];
+    let [width, height] = limits.max_viewport_dimensions;
+    let drawn = [limits.max_framebuffer_width, limits.max_framebuffer_height, width, height];
     Limits {
         handle_size: ray_tracing.shader_group_handle_size,
         handle_alignment: ray_tracing.shader_group_handle_alignment,
@@ -406,6 +410,7 @@ fn limits(instance: &ash::Instance, physical: &PhysicalDevice, anisotropy: bool)
         max_push_constants: limits.max_push_constants_size,
         max_textures: textures.into_iter().min().unwrap_or(0),
         max_image_side: limits.max_image_dimension2_d,
+        max_drawn_side: drawn.into_iter().fold(limits.max_image_dimension2_d, u32::min),
         max_anisotropy: if anisotropy { limits.max_sampler_anisotropy } else { 1.0 },
     }
 }

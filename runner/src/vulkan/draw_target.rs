@@ -4,7 +4,7 @@ use super::Check;
 use super::buffer::Buffer;
 use super::device::Device;
 use super::image::{Image, ImageDesc};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use ash::vk;
 use glam::UVec2;
 
@@ -89,9 +89,17 @@ pub struct DrawTarget {
 }
 
 impl DrawTarget {
-    /// For pictures of `size` pixels.
+    /// For pictures of `size` pixels. Errors: a picture that is larger than the device draws.
     pub fn new(device: &Device, size: UVec2) -> Result<DrawTarget> {
         use vk::ImageUsageFlags as Usage;
+        let limit = device.limits().max_drawn_side;
+        if size.max_element() > limit {
+            let device = &device.info().name;
+            return Err(Error::Usage(format!(
+                "a picture of {}x{}: {device} draws at most {limit} a side; use --primary rays or a smaller --size",
+                size.x, size.y
+            )));
+        }
         let image = |name, format, usage| {
             let UVec2 { x: width, y: height } = size;
             Image::new(device, &ImageDesc { name, width, height, format, usage, mips: false })
@@ -148,5 +156,22 @@ impl Drop for DrawTarget {
     fn drop(&mut self) {
         // SAFETY: the owner keeps it until the device is done with it.
         unsafe { self.pass.device.destroy_framebuffer(self.framebuffer, None) };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::testing;
+    use super::*;
+
+    #[test]
+    fn pictures_that_are_too_large_are_refused_with_a_way_out() {
+        testing::with_device(|device| {
+            let Err(error) = DrawTarget::new(device, UVec2::new(1 << 20, 8)) else {
+                panic!("no device draws a million pixels a side");
+            };
+            let text = error.to_string();
+            assert!(text.contains("1048576x8") && text.contains("--primary rays"), "{text}");
+        });
     }
 }
