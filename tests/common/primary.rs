@@ -1,13 +1,13 @@
 //! What a pixel may see, in f64 and by every triangle: the oracle of primary visibility. It shares no code with the
 //! rasterizer, the rays or the barycentrics of the shaders.
 
-use candela::gpu_scene::arrays::SceneArrays;
+use candela::gpu_scene::arrays::{PrimitiveRange, SceneArrays};
 use candela::scene::lights::LightTable;
-use candela::scene::{AlphaMode, SceneDescription};
+use candela::scene::{AlphaMode, Material, SceneDescription};
 use glam::{Affine3A, DVec2, DVec3, UVec2, Vec3};
 use shared::alpha::is_let_through;
 use shared::camera::Camera;
-use shared::material::Material;
+use shared::geometry::InstanceGeometry;
 
 /// Vertices fall on a grid of 1/256 pixel, so an edge may be off by half of its diagonal, and by what f32 loses before.
 const MARGIN: f64 = 1.0 / 128.0;
@@ -64,11 +64,14 @@ pub struct Oracle {
     triangles: Vec<Triangle>,
     /// Those that may touch each pixel.
     bins: Vec<Vec<u32>>,
-    materials: Vec<Material>,
+    materials: Vec<shared::material::Material>,
 }
 
 impl Oracle {
+    /// Of a scene whose masked and blended materials have no textures.
     pub fn new(scene: &SceneDescription, camera: Camera, size: UVec2, planted: Planted) -> Self {
+        let simple = |m: &Material| m.alpha == AlphaMode::Opaque || m.base_color_texture.is_none();
+        assert!(scene.materials.iter().all(simple), "the oracle reads no textures");
         let arrays = SceneArrays::new(scene, &LightTable::new(scene)).expect("the scene fits");
         let mut oracle = Oracle {
             camera,
@@ -82,26 +85,37 @@ impl Oracle {
             let part = &arrays.parts[placement.part];
             let transform = arrays.transforms[placement.instance];
             for (instance, range) in (placement.custom_index..).zip(&part.ranges) {
-                let material = arrays.instances[instance as usize].material as usize;
-                for primitive in 0..range.triangle_count {
-                    let first = (range.first_index + 3 * primitive) as usize;
-                    let vertex = |i: usize| (range.first_vertex + arrays.indices[first + i]) as usize;
-                    let p = [0, 1, 2].map(|i| arrays.positions[vertex(i)]);
-                    let alpha =
-                        [0, 1, 2].map(|i| f64::from(arrays.attributes[vertex(i)].color >> 24) / 255.0);
-                    let corners = p.map(|p| relative(transform, p, camera.position));
-                    if !part.double_sided && oracle.is_back(transform, corners) {
-                        continue;
+                for i in 0..range.triangle_count {
+                    let triangle = oracle.triangle(&arrays, instance, range, i);
+                    if part.double_sided || !oracle.is_back(transform, triangle.corners) {
+                        oracle.add(triangle);
                     }
-                    let opaque = range.opaque || planted == Planted::Opaque;
-                    oracle.add(Triangle { instance, primitive, corners, alpha, material, opaque });
                 }
             }
         }
-        assert!(
-            scene.materials.iter().all(|m| m.alpha == AlphaMode::Opaque || m.base_color_texture.is_none())
-        );
         oracle
+    }
+
+    fn triangle(
+        &self,
+        arrays: &SceneArrays,
+        instance: u32,
+        range: &PrimitiveRange,
+        primitive: u32,
+    ) -> Triangle {
+        let first = (range.first_index + 3 * primitive) as usize;
+        let vertices = [0, 1, 2].map(|i| (range.first_vertex + arrays.indices[first + i]) as usize);
+        let at = |i: usize| {
+            relative(&arrays.instances[instance as usize], arrays.positions[i], self.camera.position)
+        };
+        Triangle {
+            instance,
+            primitive,
+            corners: vertices.map(at),
+            alpha: vertices.map(|i| f64::from(arrays.attributes[i].color >> 24) / 255.0),
+            material: arrays.instances[instance as usize].material as usize,
+            opaque: range.opaque || self.planted == Planted::Opaque,
+        }
     }
 
     /// glTF: the front is where corners run counter-clockwise, in the mesh's own space.
@@ -160,40 +174,32 @@ impl Oracle {
         let [a, b, c] = t.corners;
         let normal = (b - a).cross(c - a);
         let facing = normal.dot(direction);
-        if facing == 0.0 {
-            return None;
-        }
         let depth = normal.dot(a) / facing;
-        // Signed distances to the edges on the picture, in pixels; positive inside.
-        let mut weights = [0.0; 3];
-        let mut margin = f64::INFINITY;
-        for i in 0..3 {
-            let edge = t.corners[(i + 1) % 3].cross(t.corners[(i + 2) % 3]) * facing.signum();
-            weights[i] = edge.dot(direction);
-            let slope = DVec2::new(edge.dot(steps[0]), edge.dot(steps[1])).length();
-            margin = margin.min(weights[i] / slope);
-        }
-        if margin < -MARGIN || depth.is_nan() || depth <= 0.0 {
+        // Edges as planes through the eye: their values are weights, and over their slopes distances on the picture, in
+        // pixels, positive inside.
+        let edges = [b.cross(c), c.cross(a), a.cross(b)].map(|edge| edge * facing.signum());
+        let weights = edges.map(|edge| edge.dot(direction));
+        let slope = |edge: DVec3| DVec2::new(edge.dot(steps[0]), edge.dot(steps[1])).length();
+        let margin = (0..3).map(|i| weights[i] / slope(edges[i])).fold(f64::INFINITY, f64::min);
+        if facing == 0.0 || margin < -MARGIN || depth <= 0.0 {
             return None;
         }
         let inside = weights.map(|w| w.max(0.0));
-        let sum: f64 = inside.iter().sum();
-        let [x, y, z] = inside.map(|w| w / sum);
+        let [x, y, z] = inside.map(|w| w / inside.iter().sum::<f64>());
         let point = a * x + b * y + c * z;
-        let alpha = t.alpha[0] * x + t.alpha[1] * y + t.alpha[2] * z;
         let covered = margin > MARGIN;
+        let alpha = t.alpha[0] * x + t.alpha[1] * y + t.alpha[2] * z;
         let stops = self.stops(t, alpha, if covered { 1e-4 } else { 0.05 }, key);
         if stops == Some(false) {
             return None;
         }
-        let far = t.corners.map(DVec3::length).into_iter().fold(0.0, f64::max);
-        let edge = [a - b, b - c, c - a].map(DVec3::length).into_iter().fold(0.0, f64::max);
-        let forward = self.camera.forward.as_dvec3();
+        let most = |lengths: [DVec3; 3]| lengths.map(DVec3::length).into_iter().fold(0.0, f64::max);
+        let (far, edge) = (most(t.corners), most([a - b, b - c, c - a]));
         Some(Candidate {
             instance: t.instance,
             primitive: t.primitive,
             depth,
-            nearest: depth.min(point.dot(forward)),
+            nearest: depth.min(point.dot(self.camera.forward.as_dvec3())),
             distance: if covered { [point.length(); 2] } else { [far - edge, far] },
             cosine: (facing / normal.length() / direction.length()).abs(),
             sure: covered && stops == Some(true),
@@ -212,8 +218,10 @@ impl Oracle {
 }
 
 /// A vertex relative to the eye. The matrix, the place and the eye are exact as they are.
-fn relative(transform: Affine3A, p: Vec3, eye: Vec3) -> DVec3 {
-    transform.matrix3.as_dmat3() * p.as_dvec3() + (transform.translation.as_dvec3() - eye.as_dvec3())
+fn relative(geometry: &InstanceGeometry, p: Vec3, eye: Vec3) -> DVec3 {
+    let axes = [geometry.axis_x, geometry.axis_y, geometry.axis_z].map(Vec3::as_dvec3);
+    let turned = axes[0] * f64::from(p.x) + axes[1] * f64::from(p.y) + axes[2] * f64::from(p.z);
+    turned + (geometry.translation.as_dvec3() - eye.as_dvec3())
 }
 
 /// Of `candidates`, those that a pixel may show: none that surely has another one before it. None at all: the background.
