@@ -201,7 +201,7 @@ pub static TILES: Knob = Knob {
 };
 
 pub static PRIMARY: Knob = Knob {
-    name: "Rasterize",
+    name: "Primary",
     unit: "raster or rays",
     meaning: "What pixels see is drawn by the graphics pipeline, not traced by a ray each.",
     higher: "raster: no rays from the eye",
