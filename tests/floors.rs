@@ -1,6 +1,7 @@
 //! The kernels that measure floors trace the rays that they say they trace: what they count is what frames show.
 
-use candela::measure::floors;
+use candela::frame::schedule::Primary;
+use candela::measure::floors::{self, Frame};
 use candela::scene::lights::LightTable;
 use candela::scene::{PointLight, SceneDescription};
 use glam::{UVec2, Vec3};
@@ -32,7 +33,9 @@ fn hits_are_what_the_frame_shows() {
     let mut renderer = renderer(&device, &scene, SIZE, 1);
     // Without reuse a frame does not depend on the ones before, but for its random numbers.
     let settings = Settings { visibility_reuse: 0, temporal: 0, spatial: 0, ..Settings::default() };
-    let measured = floors::measure(&mut renderer, &lights, camera, settings, 1).unwrap();
+    let measured =
+        floors::measure(&mut renderer, &lights, Frame { camera, settings, primary: Primary::Rays }, 1)
+            .unwrap();
     // The captured frame comes after the history: the same one once more.
     let radiance = restir(&mut renderer, camera, settings, floors::HISTORY + 1, 0);
     let gbuffer: Vec<GBufferTexel> = renderer.parts().1.gbuffer().read_vec().unwrap();
@@ -66,7 +69,9 @@ fn second_rays_of_reuse_decide_over_reservoirs() {
     let lights = LightTable::new(&scene);
     for temporal in [0, 1] {
         let settings = Settings { candidates: 4, temporal, spatial_iterations: 2, ..Settings::default() };
-        let captured = floors::capture(&mut renderer, &lights, camera, settings).unwrap();
+        let captured =
+            floors::capture(&mut renderer, &lights, Frame { camera, settings, primary: Primary::Rays })
+                .unwrap();
         let passes: Vec<_> = captured.iter().map(|captured| captured.pass).collect();
         let reuse = [&["temporal_unbiased"; 2][..2 * temporal as usize], &["spatial_unbiased"; 4]].concat();
         assert_eq!(passes, [&["gbuffer", "initial"][..], &reuse].concat());

@@ -3,7 +3,7 @@
 use candela::frame::pass::BufferId;
 use candela::frame::passes;
 use candela::frame::renderer::{FrameOptions, Renderer};
-use candela::frame::schedule::{Rotation, Work, schedule};
+use candela::frame::schedule::{Conditions, Primary, Rotation, Work, schedule};
 use candela::scene::animation::{Animation, Channel, Curve, Interpolation, Local, Node, Thing, Track};
 use candela::scene::lights::LightEdits;
 use candela::scene::{Environment, Instance, Material, Mesh, PointLight, Primitive, SceneDescription};
@@ -74,7 +74,8 @@ fn moving() -> SceneDescription {
 
 fn render(renderer: &mut Renderer, camera: Camera, settings: Settings, seed: u32) {
     let work = Work::Restir(settings);
-    let options = FrameOptions { work, seed, exposure: 1.0, background: Vec3::ZERO };
+    let primary = Primary::default();
+    let options = FrameOptions { work, primary, seed, exposure: 1.0, background: Vec3::ZERO };
     renderer.render(camera, &options).expect("the frame renders");
 }
 
@@ -295,7 +296,8 @@ fn a_still_scene_has_no_past() {
     let mut renderer = renderer(&device, &scene, SIZE, 1);
     let camera = camera(SIZE);
     let stems = |moved: bool| {
-        let (steps, _) = schedule(&Work::Restir(Settings::default()), 0, Rotation::default(), moved);
+        let conditions = Conditions { moved, ..Default::default() };
+        let (steps, _) = schedule(&Work::Restir(Settings::default()), conditions, Rotation::default());
         steps.iter().map(|step| (step.pass.stem, step.pass.past)).collect::<Vec<_>>()
     };
     let still = ["gbuffer", "initial", "temporal_unbiased", "spatial_unbiased", "shade_known", "tonemap"];

@@ -9,6 +9,7 @@ use shared::interface::{
     HitPayload, PassConstants, ShadowPayload, WORKGROUP, frame_binding as frame, past_binding as past,
     scene_binding as scene,
 };
+use std::collections::BTreeSet;
 use std::path::Path;
 use std::process::Command;
 use tests::spirv::{Layout, Spirv};
@@ -70,7 +71,10 @@ fn every_module_has_its_entry_point() {
         assert!(manifest.modules.contains_key(stem), "{stem} is in the library and not in the manifest");
         let expected = match passes::ALL.iter().find(|pass| pass.stem == stem).map(|pass| pass.stage) {
             Some(Stage::Compute) => ExecutionModel::GLCompute,
+            Some(Stage::Raster) => ExecutionModel::Fragment,
             Some(Stage::RayTracing(_)) => ExecutionModel::RayGenerationNV,
+            None if stem.ends_with("_vertex") => ExecutionModel::Vertex,
+            None if stem.ends_with("_alpha") => ExecutionModel::Fragment,
             None if stem.ends_with("_miss") => ExecutionModel::MissNV,
             None if stem.ends_with("_any_hit") => ExecutionModel::AnyHitNV,
             None => ExecutionModel::ClosestHitNV,
@@ -110,6 +114,7 @@ fn element(set: u32, binding: u32) -> Option<(&'static str, usize)> {
         (frame::SET, frame::RAYS) => ("fffufffu", size_of::<StoredRay>()),
         (frame::SET, frame::DISPLAY | frame::HITS) => ("u", 4),
         (frame::SET, frame::TILE_ENTRIES) => ("fffuuufu", size_of::<TileEntry>()),
+        (frame::SET, frame::VISIBILITY) => ("uu", size_of::<glam::UVec2>()),
         (frame::SET, frame::TILE_POINTS) => ("u", 4),
         (past::SET, past::MOTIONS) => ("fffffffffffffffu", size_of::<InstanceMotion>()),
         (past::SET, past::PREVIOUS_TO_CURRENT | past::CURRENT_TO_PREVIOUS) => ("u", 4),
@@ -148,17 +153,30 @@ fn frame_constants_have_one_layout() {
 #[test]
 fn passes_declare_what_their_shaders_use() {
     for pass in passes::ALL {
-        let bindings = Spirv::parse(shader_library::spirv(pass.stem).unwrap()).bindings();
-        let used: Vec<u32> = bindings.keys().filter(|k| k.0 == frame::SET).map(|k| k.1).collect();
+        let drawn = pass.stage == Stage::Raster;
+        let parts = if drawn { &["_vertex", "", "_alpha_vertex", "_alpha"][..] } else { &[""] };
+        let bindings: BTreeSet<(u32, u32)> = parts
+            .iter()
+            .flat_map(|part| {
+                Spirv::parse(shader_library::spirv(&format!("{}{part}", pass.stem)).unwrap()).bindings()
+            })
+            .map(|(place, _)| place)
+            .collect();
+        let used: Vec<u32> = bindings.iter().filter(|k| k.0 == frame::SET).map(|k| k.1).collect();
         let mut declared: Vec<u32> = pass.uses.iter().map(|(role, _)| role.binding()).collect();
+        if drawn {
+            // Its image is copied to the buffer that it declares.
+            assert_eq!(declared, [frame::VISIBILITY]);
+            declared.clear();
+        }
         declared.push(frame::CONSTANTS);
         declared.sort_unstable();
         assert_eq!(used, declared, "{}", pass.stem);
-        let of_the_past: Vec<u32> = bindings.keys().filter(|k| k.0 == past::SET).map(|k| k.1).collect();
+        let of_the_past: Vec<u32> = bindings.iter().filter(|k| k.0 == past::SET).map(|k| k.1).collect();
         assert_eq!(!of_the_past.is_empty(), pass.past, "{}", pass.stem);
         assert!(of_the_past.iter().all(|&binding| binding <= past::CURRENT_TO_PREVIOUS));
         let known = |set: u32| [frame::SET, past::SET].contains(&set);
-        assert!(bindings.keys().all(|k| known(k.0) || k.0 == scene::SET && k.1 <= scene::TEXTURES));
+        assert!(bindings.iter().all(|k| known(k.0) || k.0 == scene::SET && k.1 <= scene::TEXTURES));
     }
 }
 
@@ -182,7 +200,7 @@ fn payloads_and_push_constants_have_one_layout() {
             Stage::RayTracing(Rays::Both) => {
                 incoming("closest_hit").into_iter().chain(incoming("shadow_miss")).collect()
             }
-            Stage::Compute => vec![],
+            Stage::Compute | Stage::Raster => vec![],
         };
         assert_eq!(module.layouts_of(StorageClass::RayPayloadNV), expected, "{}", pass.stem);
         for constants in module.layouts_of(StorageClass::PushConstant) {

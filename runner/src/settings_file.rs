@@ -1,6 +1,7 @@
 //! Every knob of the estimator as a document: JSON files, plans, screenshots.
 
 use crate::error::{Error, Result};
+use crate::frame::schedule::Primary;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use shared::frame::{Settings, mode};
@@ -51,6 +52,8 @@ pub struct SettingsFile {
     pub normal_threshold: f64,
     /// Draw candidates from presampled light tiles.
     pub tiles: Tiles,
+    /// How a frame finds what its pixels see; no knob of the estimator, which starts from there.
+    pub primary: Primary,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
@@ -116,6 +119,7 @@ impl From<&Settings> for SettingsFile {
             depth_threshold,
             normal_threshold: degrees(normal_threshold),
             tiles: if tiles != 0 { Tiles::On } else { Tiles::Off },
+            primary: Primary::default(),
         }
     }
 }
@@ -304,6 +308,7 @@ mod tests {
             confidence_cap: 3.0,
             normal_threshold: 33.5,
             tiles: Tiles::Off,
+            primary: Primary::Rays,
             ..SettingsFile::default()
         };
         let line = other.options(&base).join(" ");
@@ -332,6 +337,7 @@ mod tests {
             (r#"{"radius": 1e99}"#, "radius"),
             (r#"{"normal_threshold": 181}"#, "normal_threshold"),
             (r#"{"mode": "magic"}"#, "magic"),
+            (r#"{"primary": "guess"}"#, "guess"),
             (r#"{"temporal": 1}"#, "boolean"),
             ("[1", "line 1"),
         ] {

@@ -14,7 +14,8 @@ macro_rules! modules {
 }
 
 modules! {
-    "gbuffer" "initial" "temporal" "spatial" "shade" "shade_known" "tonemap" "reference"
+    "gbuffer" "visibility_vertex" "visibility" "visibility_alpha_vertex" "visibility_alpha" "gbuffer_raster"
+    "initial" "temporal" "spatial" "shade" "shade_known" "tonemap" "reference"
     "accumulate" "view" "statistics" "floor_primary" "floor_shadow" "floor_copy"
     "presample" "initial_tiled" "temporal_unbiased" "spatial_unbiased"
     "temporal_moving" "temporal_unbiased_moving"

@@ -71,9 +71,17 @@ fn a_killed_sweep_goes_on_and_its_numbers_make_sense() {
     let table = Table::parse(&csv);
     assert_eq!(table.rows.len(), POINTS);
     for row in &table.rows {
-        for column in
-            ["frame_ms", "frame_p95_ms", "gbuffer_ms", "shade_ms", "rel_mse", "r_mae", "flip", "rmse_nit"]
-        {
+        for column in [
+            "frame_ms",
+            "frame_p95_ms",
+            "visibility_ms",
+            "gbuffer_raster_ms",
+            "shade_ms",
+            "rel_mse",
+            "r_mae",
+            "flip",
+            "rmse_nit",
+        ] {
             let x = table.number(row, column);
             assert!(x > 0.0 && x.is_finite(), "{column}: {x}");
         }

@@ -1,16 +1,16 @@
 //! Pass 1: what each pixel sees. Writes the G-buffer, and the radiance that needs no lighting (emission, background).
 
-use crate::textures::{Place, Textures, corners, triangle, uv_sets};
+use crate::primary::{Hit, Scene};
+use crate::textures::Textures;
 use crate::trace::trace_primary;
-use shared::environment::{EnvironmentTexel, texel_of};
+use shared::alpha;
+use shared::environment::EnvironmentTexel;
 use shared::frame::FrameConstants;
 use shared::geometry::{InstanceGeometry, VertexAttributes};
 use shared::glam::{UVec3, Vec2, Vec3};
 use shared::interface::HitPayload;
 use shared::material::Material;
-use shared::ray_cone::{self, Footprint};
-use shared::rng::{Rng, Stream};
-use shared::surface::{GBufferTexel, PrimaryHit};
+use shared::surface::GBufferTexel;
 use spirv_std::ray_tracing::AccelerationStructure;
 use spirv_std::spirv;
 
@@ -34,34 +34,21 @@ pub fn gbuffer(
 ) {
     let pixel = launch.truncate();
     let index = frame.pixel_index(pixel) as usize;
-    let (eye, direction) = (frame.camera.position, frame.camera.direction(pixel.as_vec2() + 0.5, frame.size));
-    let mut rng = Rng::new(pixel, frame.index, frame.seed, Stream::Primary, 0);
-    trace_primary(tlas, features, eye, direction, rng.next_u32x4().x, payload);
-    if payload.hit == 0 {
-        gbuffer[index] = GBufferTexel::default();
-        radiance[index] = if features & shared::frame::features::ENVIRONMENT != 0 {
-            environment[texel_of(direction, frame.environment_size) as usize].radiance
-        } else {
-            frame.background
-        };
-        return;
-    }
-    let geometry = instances[payload.instance as usize];
-    let corners = corners(&geometry, indices, payload.primitive);
-    let triangle = triangle(positions, attributes, corners);
-    let point = geometry.surface_point(triangle, payload.barycentrics);
-    let material = materials[geometry.material as usize];
-    let uvs = uv_sets(features, triangle.uvs(), second_uvs, corners);
-    let place = Place { uvs, barycentrics: payload.barycentrics, features };
-    let footprint = Footprint::new(
-        ray_cone::spread(&frame.camera, frame.size),
-        (point.position - eye).length(),
+    let direction = frame.camera.direction(pixel.as_vec2() + 0.5, frame.size);
+    let scene =
+        Scene { features, instances, positions, attributes, indices, materials, second_uvs, environment };
+    trace_primary(
+        tlas,
+        features,
+        frame.camera.position,
         direction,
-        point.geometric_normal,
-        geometry.double_area(triangle.positions),
+        alpha::primary_key(frame, pixel),
+        payload,
     );
-    let texels = place.texels(textures, &material, footprint);
-    let hit = PrimaryHit { point, material, texels, features, instance: payload.instance };
-    gbuffer[index] = hit.texel(eye);
-    radiance[index] = hit.emission(eye);
+    (gbuffer[index], radiance[index]) = if payload.hit == 0 {
+        scene.background(frame, direction)
+    } else {
+        let HitPayload { instance, primitive, barycentrics, .. } = *payload;
+        scene.surface(textures, frame, direction, Hit { instance, primitive, barycentrics })
+    };
 }

@@ -41,18 +41,18 @@ pub fn shadow_miss(#[spirv(incoming_ray_payload)] payload: &mut ShadowPayload) {
 
 /// Scene buffers that decide over a transparent hit.
 #[derive(Clone, Copy)]
-struct Transparency<'a> {
-    features: u32,
-    instances: &'a [InstanceGeometry],
-    attributes: &'a [VertexAttributes],
-    indices: &'a [u32],
-    materials: &'a [Material],
-    second_uvs: &'a [Vec2],
+pub struct Transparency<'a> {
+    pub features: u32,
+    pub instances: &'a [InstanceGeometry],
+    pub attributes: &'a [VertexAttributes],
+    pub indices: &'a [u32],
+    pub materials: &'a [Material],
+    pub second_uvs: &'a [Vec2],
 }
 
 impl Transparency<'_> {
     /// Does the ray with `key` go through this triangle at `barycentrics`?
-    fn lets_through(
+    pub fn lets_through(
         self,
         textures: &Textures,
         instance: u32,

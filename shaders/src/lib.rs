@@ -1,5 +1,5 @@
-//! GPU entry points, one file a pass; in the order of a frame: [`gbuffer`], [`initial`], [`temporal`], [`spatial`],
-//! [`shade`], [`tonemap`]. An entry loads, calls `shared`, stores: no arithmetic. Rays are traced here and nowhere else.
+//! GPU entry points, one file a pass; in the order of a frame: [`gbuffer`] (or [`visibility`] and [`gbuffer_raster`]),
+//! [`initial`], [`temporal`], [`spatial`], [`shade`], [`tonemap`]. An entry loads, calls `shared`, stores: no arithmetic. Rays are traced here and nowhere else.
 #![cfg_attr(target_arch = "spirv", no_std)]
 // An entry's arguments are its bindings.
 #![allow(clippy::too_many_arguments)]
@@ -7,10 +7,12 @@
 pub mod accumulate;
 pub mod floors;
 pub mod gbuffer;
+pub mod gbuffer_raster;
 pub mod hit;
 pub mod initial;
 pub mod initial_tiled;
 pub mod presample;
+pub mod primary;
 pub mod reference;
 pub mod shade;
 pub mod shade_known;
@@ -25,3 +27,4 @@ pub mod textures;
 pub mod tonemap;
 pub mod trace;
 pub mod view;
+pub mod visibility;

@@ -24,16 +24,16 @@ fn opacity(features: u32) -> RayFlags {
 }
 
 /// The nearest surface from `origin` along `direction` (unit), into `payload`; single-sided ones only from their front.
-/// `random`: lots for transparency.
+/// `key`: of [`shared::alpha`].
 pub fn trace_primary(
     tlas: &AccelerationStructure,
     features: u32,
     origin: Vec3,
     direction: Vec3,
-    random: u32,
+    key: u32,
     payload: &mut HitPayload,
 ) {
-    *payload = HitPayload { key: alpha::key(random), ..HitPayload::default() };
+    *payload = HitPayload { key, ..HitPayload::default() };
     // Instances of double-sided primitives switch culling off.
     let flags = opacity(features) | RayFlags::CULL_BACK_FACING_TRIANGLES;
     // SAFETY: `payload` is a ray payload of the type that the hit and miss shaders declare.

@@ -4,9 +4,10 @@
 //! Transparency"), so the mean over frames is that of sorted blending, in any order of the hits, and a shadow ray's mean
 //! visibility is the product of (1 - alpha). One frame is noisy.
 
+use crate::frame::FrameConstants;
 use crate::material::{Material, flag};
-use crate::rng::{hash, unit_f32};
-use glam::UVec4;
+use crate::rng::{Rng, Stream, hash, unit_f32};
+use glam::{UVec2, UVec4};
 
 /// Key of rays that only what is surely in the way may stop: every blended surface with alpha below 1 lets them through.
 ///
@@ -17,6 +18,11 @@ pub const SURE_HITS_ONLY: u32 = 0;
 /// A ray's key from random bits: never [`SURE_HITS_ONLY`].
 pub fn key(random: u32) -> u32 {
     random | 1
+}
+
+/// The key of the ray from the eye through `pixel`.
+pub fn primary_key(frame: &FrameConstants, pixel: UVec2) -> u32 {
+    key(Rng::new(pixel, frame.index, frame.seed, Stream::Primary, 0).next_u32x4().x)
 }
 
 /// Does the ray with `key` go through triangle `primitive` of geometry `instance`, where its alpha is `alpha`?

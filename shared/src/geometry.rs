@@ -81,7 +81,7 @@ impl InstanceGeometry {
         self.axis_x * p.x + self.axis_y * p.y + self.axis_z * p.z + self.translation
     }
 
-    fn direction_to_world(&self, v: Vec3) -> Vec3 {
+    pub(crate) fn direction_to_world(&self, v: Vec3) -> Vec3 {
         self.axis_x * v.x + self.axis_y * v.y + self.axis_z * v.z
     }
 

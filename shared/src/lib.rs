@@ -24,7 +24,7 @@
 //! Frame: right-handed, +Y up as in glTF; directions point away from the surface.
 //!
 //! Reading order: [`math`], [`rng`], [`pdf`], [`sampling`], [`alias_table`], [`environment`], [`light`], [`camera`],
-//! [`frame`], [`geometry`], [`material`], [`ray_cone`], [`alpha`], [`surface`], [`bsdf`], [`target`], [`shadow`],
+//! [`frame`], [`geometry`], [`raster`], [`material`], [`ray_cone`], [`alpha`], [`surface`], [`bsdf`], [`target`], [`shadow`],
 //! [`reservoir`], [`motion`], [`resampling`], [`shading`], [`reference`], [`tonemap`], [`view`], [`statistics`],
 //! [`stored_ray`], [`interface`].
 #![cfg_attr(target_arch = "spirv", no_std)]
@@ -43,6 +43,7 @@ pub mod material;
 pub mod math;
 pub mod motion;
 pub mod pdf;
+pub mod raster;
 pub mod ray_cone;
 pub mod reference;
 pub mod resampling;

@@ -1,7 +1,7 @@
 //! One validated device for a test program, and pictures rendered on it.
 
 use candela::frame::renderer::{FrameOptions, Renderer};
-use candela::frame::schedule::Work;
+use candela::frame::schedule::{Primary, Work};
 use candela::gpu_scene::GpuScene;
 use candela::scene::SceneDescription;
 use candela::vulkan::{Device, DeviceOptions};
@@ -59,7 +59,7 @@ pub fn renderer(device: &Device, scene: &SceneDescription, size: UVec2, reservoi
 }
 
 fn options(work: Work, seed: u32) -> FrameOptions {
-    FrameOptions { work, seed, exposure: 1.0, background: Vec3::ZERO }
+    FrameOptions { work, primary: Primary::default(), seed, exposure: 1.0, background: Vec3::ZERO }
 }
 
 /// Radiance of the last of `frames` ReSTIR frames of a still camera, from a fresh history.

@@ -4,6 +4,7 @@ pub mod docs;
 pub mod failure;
 pub mod gpu;
 pub mod outside;
+pub mod primary;
 pub mod scenes;
 pub mod spirv;
 pub mod statistics;

@@ -62,8 +62,13 @@ pub fn run(args: &ExplainArgs) -> Result<()> {
     let gpu_scene = GpuScene::new(&device, &scene)?;
     let settings = knobs.settings(gpu_scene.light_count());
     let mut renderer = Renderer::new(&device, gpu_scene, args.size, settings.reservoirs)?;
-    let options =
-        FrameOptions { work: Work::Restir(settings), seed: args.seed, exposure: 1.0, background: Vec3::ZERO };
+    let options = FrameOptions {
+        work: Work::Restir(settings),
+        primary: knobs.primary,
+        seed: args.seed,
+        exposure: 1.0,
+        background: Vec3::ZERO,
+    };
 
     let before = args.frame.unwrap_or(args.frames - 1);
     let bar = progress::bar(before.into(), "frames before");

@@ -5,6 +5,7 @@ use super::args::{DeviceArgs, SceneArgs};
 use super::{output, view};
 use crate::error::{Error, Result};
 use crate::frame::renderer::Renderer;
+use crate::frame::schedule::Primary;
 use crate::gpu_scene::GpuScene;
 use crate::measure::floors::{self, Floors, RayFloor};
 use crate::scene::lights::LightTable;
@@ -26,6 +27,9 @@ pub struct FloorsArgs {
     /// The frame whose rays are traced.
     #[arg(long, value_enum, default_value_t = Mode::Unbiased)]
     pub mode: Mode,
+    /// As for `render`; `rays` has the rays from the eye among them.
+    #[arg(long, value_enum, default_value_t = Primary::default())]
+    pub primary: Primary,
     /// Timed launches of each kind of ray, and timed frames.
     #[arg(long, default_value_t = 32, value_parser = clap::value_parser!(u32).range(2..))]
     pub frames: u32,
@@ -45,7 +49,8 @@ pub fn run(args: &FloorsArgs) -> Result<()> {
     let knobs = SettingsFile { mode: args.mode, ..SettingsFile::default() };
     let settings = knobs.settings(gpu_scene.light_count());
     let mut renderer = Renderer::new(&device, gpu_scene, args.size, settings.reservoirs)?;
-    let floors = floors::measure(&mut renderer, &lights, camera, settings, args.frames)?;
+    let frame = floors::Frame { camera, settings, primary: args.primary };
+    let floors = floors::measure(&mut renderer, &lights, frame, args.frames)?;
     if args.json {
         println!("{}", serde_json::to_string_pretty(&floors).map_err(|e| Error::Usage(e.to_string()))?);
     } else {

@@ -4,7 +4,7 @@ use super::args::{DeviceArgs, PictureArgs, SceneArgs};
 use super::{output, progress, view};
 use crate::error::Result;
 use crate::frame::renderer::{FrameOptions, Renderer};
-use crate::frame::schedule::Work;
+use crate::frame::schedule::{Primary, Work};
 use crate::gpu_scene::GpuScene;
 use crate::measure::mean::Mean;
 use crate::vulkan::Device;
@@ -22,6 +22,9 @@ pub struct ReferenceArgs {
     /// Points drawn on each emissive triangle; point lights are exact with one.
     #[arg(long, default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..))]
     pub samples: u32,
+    /// As for `render`.
+    #[arg(long, value_enum, default_value_t = Primary::default())]
+    pub primary: Primary,
 }
 
 pub fn run(args: &ReferenceArgs) -> Result<()> {
@@ -35,6 +38,7 @@ pub fn run(args: &ReferenceArgs) -> Result<()> {
     let mut renderer = Renderer::new(&device, gpu_scene, args.picture.size, 0)?;
     let options = FrameOptions {
         work: Work::Reference { lights },
+        primary: args.primary,
         seed: args.picture.seed,
         exposure: 1.0,
         background: Vec3::ZERO,

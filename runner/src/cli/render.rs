@@ -73,6 +73,7 @@ fn still(args: &RenderArgs, frames: u32) -> Result<()> {
     let mut renderer = Renderer::new(&device, gpu_scene, size, settings.reservoirs)?;
     let options = FrameOptions {
         work: Work::Restir(settings),
+        primary: knobs.primary,
         seed: args.picture.seed,
         exposure: 1.0,
         background: Vec3::ZERO,
@@ -98,7 +99,7 @@ fn still(args: &RenderArgs, frames: u32) -> Result<()> {
     let lights = renderer.scene().light_count();
     println!("{}: {lights} lights, {}x{}, {} frames", device.info().name, size.x, size.y, frames);
     println!("{}", times.summary());
-    let rays = rays::most(&settings, renderer.scene().features());
+    let rays = rays::most(&settings, knobs.primary.draws(&device), renderer.scene().features());
     let pixels = u64::from(size.x) * u64::from(size.y);
     println!("rays a frame: at most {} ({rays} a pixel)", rays * pixels);
     output::check_validation(&device)

@@ -43,6 +43,7 @@ pub fn run(args: &RenderArgs, frames: Range<u32>) -> Result<()> {
     let renderer = Renderer::new(&device, gpu_scene, args.picture.size, settings.reservoirs)?;
     let options = FrameOptions {
         work: Work::Restir(settings),
+        primary: knobs.primary,
         seed: args.picture.seed,
         exposure: 1.0,
         background: Vec3::ZERO,

@@ -16,7 +16,7 @@ pub use record::Explanation;
 
 use crate::error::{Error, Result};
 use crate::frame::history::History;
-use crate::frame::pass::{Role, Step};
+use crate::frame::pass::{Access, Role, Step};
 use crate::frame::recorder::{FrameOptions, Recorder};
 use crate::frame::schedule::Work;
 use crate::gpu_scene::arrays::{SceneArrays, environment_texels};
@@ -37,7 +37,6 @@ use shared::light::{Light, LightTable, Lights, kind};
 use shared::motion::{InstanceMotion, PastLights};
 use shared::resampling::Pixels;
 use shared::reservoir::StoredReservoir;
-use shared::rng::{Rng, Stream};
 use shared::surface::GBufferTexel;
 use temporal::{Before, TemporalPass};
 
@@ -184,15 +183,16 @@ impl<'a> Witness<'a> {
     }
 
     fn see(&mut self, history: &History, frame: &FrameConstants, step: &Step) -> Result<()> {
-        if step.pass.stem == "gbuffer" {
+        if step.pass.uses.contains(&(Role::GBuffer, Access::Write)) {
             self.frame = Some(*frame);
             self.gbuffer = history.read_role(step, Role::GBuffer)?;
             self.emission = self.radiance(history)?;
         }
-        let texel = self.gbuffer[frame.pixel_index(self.pixel) as usize];
-        if texel.is_empty() {
+        // Before the G-buffer is filled there is nothing to follow either.
+        let Some(texel) = self.gbuffer.get(frame.pixel_index(self.pixel) as usize).filter(|t| !t.is_empty())
+        else {
             return Ok(());
-        }
+        };
         let replay = Replay {
             world: self.world,
             frame: *frame,
@@ -275,8 +275,7 @@ impl<'a> Witness<'a> {
 
     fn seen(&self, frame: &FrameConstants) -> Option<Hit> {
         let direction = frame.camera.direction(self.pixel.as_vec2() + 0.5, frame.size);
-        let mut rng = Rng::new(self.pixel, frame.index, frame.seed, Stream::Primary, 0);
-        let key = alpha::key(rng.next_u32x4().x);
+        let key = alpha::primary_key(frame, self.pixel);
         self.world.occluders.seen(frame.camera.position, direction, key)
     }
 

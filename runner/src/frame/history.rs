@@ -64,7 +64,7 @@ impl History {
 
     /// Makes room for a mean over frames; a frame that uses it must not be in flight.
     pub fn make_mean(&mut self, device: &Device) -> Result<()> {
-        if self.targets.has_mean() { Ok(()) } else { self.targets.make_mean(device, self.size) }
+        if self.targets.has_mean() { Ok(()) } else { self.targets.make_mean(device) }
     }
 
     /// Rays for the passes of the floors, one a pixel; no frame may be in flight.

@@ -8,6 +8,8 @@ pub enum Stage {
     /// A ray generation shader; `rays` names the payload its pipeline is built for.
     RayTracing(Rays),
     Compute,
+    /// Vertex and fragment shaders draw the scene into an image, which is copied to the pass's buffer.
+    Raster,
 }
 
 /// Which hit and miss shaders a ray-tracing pass needs.
@@ -38,6 +40,8 @@ pub enum Role {
     /// Of the floors.
     Rays,
     Hits,
+    /// Which triangle each pixel sees.
+    Visibility,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -87,6 +91,7 @@ pub enum BufferId {
     Statistics,
     Rays,
     Hits,
+    Visibility,
 }
 
 /// A pass at its place in a frame, with its buffers.
@@ -116,6 +121,7 @@ impl Role {
             Role::Statistics => frame_binding::STATISTICS,
             Role::Rays => frame_binding::RAYS,
             Role::Hits => frame_binding::HITS,
+            Role::Visibility => frame_binding::VISIBILITY,
         }
     }
 }

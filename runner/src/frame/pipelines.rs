@@ -2,10 +2,11 @@
 
 use super::pass::{Extent, Pass, Rays, Role, Stage};
 use crate::error::{Error, Result};
+use crate::gpu_scene::draws::{self, DrawKind, Draws};
 use crate::gpu_scene::past;
 use crate::vulkan::{
-    Binding, ComputePipeline, Device, HitGroup, Interface, Pipeline, RayPipeline, RayPipelineDesc, SetLayout,
-    Shader,
+    Binding, Buffer, ComputePipeline, Device, DrawPipeline, DrawPipelineDesc, DrawTarget, HitGroup,
+    Interface, Pipeline, RayPipeline, RayPipelineDesc, SetLayout, Shader, memory_barrier,
 };
 use crate::{parallel, shader_library, startup};
 use ash::vk;
@@ -16,6 +17,11 @@ use shared::light::tile::{TILE_SIZE, TILES};
 use shared::statistics::BLOCK;
 use std::collections::HashMap;
 use std::ffi::CString;
+
+/// Stages that read and write buffers.
+pub const SHADERS: vk::PipelineStageFlags = vk::PipelineStageFlags::from_raw(
+    vk::PipelineStageFlags::COMPUTE_SHADER.as_raw() | vk::PipelineStageFlags::RAY_TRACING_SHADER_KHR.as_raw(),
+);
 
 /// The pipelines of the passes that some frame asked for.
 pub struct Pipelines {
@@ -30,6 +36,8 @@ pub struct Pipelines {
 pub enum PassPipeline {
     Compute(ComputePipeline),
     Rays(Box<RayPipeline>),
+    /// One for each of the scene's [`draws::kinds`], in their order; what is bound for one is bound for all.
+    Raster(Vec<DrawPipeline>),
 }
 
 /// A shader's words and entry point, owned.
@@ -80,11 +88,19 @@ impl Pipelines {
             push_constant_size: size_of::<PassConstants>() as u32,
             spec_constants: &spec_constants,
         };
+        match pass.stage {
+            Stage::Compute => {
+                let code = Code::load(pass.stem)?;
+                let pipeline = ComputePipeline::new(&self.device, pass.stem, code.shader(), &interface)?;
+                Ok(PassPipeline::Compute(pipeline))
+            }
+            Stage::RayTracing(rays) => self.compile_rays(pass, rays, interface),
+            Stage::Raster => self.compile_raster(pass, interface),
+        }
+    }
+
+    fn compile_rays(&self, pass: &Pass, rays: Rays, interface: Interface<'_>) -> Result<PassPipeline> {
         let code = Code::load(pass.stem)?;
-        let Stage::RayTracing(rays) = pass.stage else {
-            let pipeline = ComputePipeline::new(&self.device, pass.stem, code.shader(), &interface)?;
-            return Ok(PassPipeline::Compute(pipeline));
-        };
         let misses = [Code::load("primary_miss")?, Code::load("shadow_miss")?];
         let codes: Vec<GroupCode> =
             hit_groups(rays, self.features).into_iter().map(GroupCode::load).collect::<Result<_>>()?;
@@ -97,6 +113,24 @@ impl Pipelines {
             interface,
         };
         Ok(PassPipeline::Rays(Box::new(RayPipeline::new(&self.device, &desc)?)))
+    }
+
+    fn compile_raster(&self, pass: &Pass, interface: Interface<'_>) -> Result<PassPipeline> {
+        let load = |part: &str| Code::load(&format!("{}{part}", pass.stem));
+        let opaque = [load("_vertex")?, load("")?];
+        let alpha = [load("_alpha_vertex")?, load("_alpha")?];
+        let pipeline = |kind: DrawKind| {
+            let [vertex, fragment] = if kind.transparent { &alpha } else { &opaque };
+            let desc = DrawPipelineDesc {
+                name: pass.stem,
+                vertex: vertex.shader(),
+                fragment: fragment.shader(),
+                culls: !kind.double_sided,
+                interface,
+            };
+            DrawPipeline::new(&self.device, &desc)
+        };
+        Ok(PassPipeline::Raster(draws::kinds(self.features).map(pipeline).collect::<Result<_>>()?))
     }
 }
 
@@ -153,14 +187,16 @@ impl Code {
 }
 
 impl PassPipeline {
+    /// What its resources are bound to.
     pub fn pipeline(&self) -> &Pipeline {
         match self {
             PassPipeline::Compute(pipeline) => pipeline,
             PassPipeline::Rays(pipeline) => pipeline.as_ref(),
+            PassPipeline::Raster(pipelines) => &pipelines[0],
         }
     }
 
-    /// Launches `pass` over a picture of `size`.
+    /// Launches `pass` over a picture of `size`; one that draws needs more, see [`draw`].
     pub fn launch(
         &self,
         cmd: vk::CommandBuffer,
@@ -180,14 +216,43 @@ impl PassPipeline {
                 Ok(())
             }
             PassPipeline::Rays(pipeline) => pipeline.trace(cmd, [size.x, size.y, depth]),
+            PassPipeline::Raster(_) => {
+                Err(Error::Usage(format!("pass '{}' has nothing to draw into", pass.stem)))
+            }
         }
     }
 }
 
+/// Draws all of `scene` into `target`, and copies that to `buffer`. Shaders after it see the copy.
+pub fn draw(
+    device: &Device,
+    cmd: vk::CommandBuffer,
+    pipelines: &[DrawPipeline],
+    scene: &Draws,
+    target: &DrawTarget,
+    buffer: &Buffer,
+) {
+    target.record(cmd, || {
+        for (pipeline, draws) in pipelines.iter().zip(scene.ranges()) {
+            if !draws.is_empty() {
+                pipeline.bind(cmd);
+                pipeline.draw(cmd, scene.buffer(), draws.clone());
+            }
+        }
+    });
+    let copies = vk::PipelineStageFlags::TRANSFER;
+    // Shaders of the frame before may still read the last copy.
+    memory_barrier(device, cmd, (SHADERS, vk::AccessFlags::empty()), (copies, vk::AccessFlags::empty()));
+    target.record_copy(cmd, buffer);
+    let written = (copies, vk::AccessFlags::TRANSFER_WRITE);
+    memory_barrier(device, cmd, written, (SHADERS, vk::AccessFlags::SHADER_READ));
+}
+
 /// The layout of set 1: constants, then a buffer for each role.
 fn frame_layout(device: &Device) -> Result<SetLayout> {
-    let stages = vk::ShaderStageFlags::RAYGEN_KHR | vk::ShaderStageFlags::COMPUTE;
-    const ROLES: [Role; 14] = [
+    use vk::ShaderStageFlags as Shader;
+    let stages = Shader::RAYGEN_KHR | Shader::COMPUTE;
+    const ROLES: [Role; 15] = [
         Role::GBuffer,
         Role::PreviousGBuffer,
         Role::ReservoirsIn,
@@ -202,9 +267,13 @@ fn frame_layout(device: &Device) -> Result<SetLayout> {
         Role::Statistics,
         Role::Rays,
         Role::Hits,
+        Role::Visibility,
     ];
-    let mut bindings =
-        vec![Binding::one(frame_binding::CONSTANTS, vk::DescriptorType::UNIFORM_BUFFER, stages)];
+    let mut bindings = vec![Binding::one(
+        frame_binding::CONSTANTS,
+        vk::DescriptorType::UNIFORM_BUFFER,
+        stages | Shader::VERTEX | Shader::FRAGMENT,
+    )];
     bindings
         .extend(ROLES.map(|role| Binding::one(role.binding(), vk::DescriptorType::STORAGE_BUFFER, stages)));
     SetLayout::for_push(device, "frame", &bindings)

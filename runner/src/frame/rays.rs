@@ -2,19 +2,20 @@
 //! variant of each; the most is known from the settings alone.
 
 use super::pass::{Extent, Stage, Step};
-use super::schedule::{Rotation, Work, schedule};
+use super::schedule::{Conditions, Rotation, Work, schedule};
 use shared::frame::Settings;
 
 /// Rays a pixel of a frame with these settings, at most; fewer where nothing is hit or a sample's visibility is known.
 /// `features`: of the scene.
-pub fn most(settings: &Settings, features: u32) -> u64 {
-    let (steps, _) = schedule(&Work::Restir(*settings), features, Rotation::default(), false);
+pub fn most(settings: &Settings, draws: bool, features: u32) -> u64 {
+    let conditions = Conditions { draws, features, moved: false };
+    let (steps, _) = schedule(&Work::Restir(*settings), conditions, Rotation::default());
     steps.iter().map(|step| of_step(step, settings, features)).sum()
 }
 
 /// Rays a pixel of one step.
 fn of_step(step: &Step, settings: &Settings, features: u32) -> u64 {
-    if step.pass.stage == Stage::Compute {
+    if matches!(step.pass.stage, Stage::Compute | Stage::Raster) {
         return 0;
     }
     let a_thread = match step.pass.stem {
@@ -44,6 +45,11 @@ mod tests {
     fn rays_counted_by_hand() {
         let biased = Settings { mode: mode::BIASED, spatial_iterations: 2, ..Settings::default() };
         let unbiased = Settings { mode: mode::UNBIASED, ..biased };
+        let most = |settings: &Settings, features| {
+            let rays = super::most(settings, false, features);
+            assert_eq!(super::most(settings, true, features), rays - 1, "the eye's ray");
+            rays
+        };
         let count = |settings: Settings| (most(&settings, 0), most(&settings, features::ALPHA));
         assert_eq!(count(biased), (3, 3));
         assert_eq!(count(Settings { visibility_reuse: 0, reservoirs: 2, ..biased }), (3, 3));
@@ -59,7 +65,8 @@ mod tests {
         for mode in [mode::BIASED, mode::UNBIASED] {
             let settings = Settings { mode, ..Settings::default() };
             let rays = |moved| -> u64 {
-                let (steps, _) = schedule(&Work::Restir(settings), 0, Rotation::default(), moved);
+                let conditions = Conditions { moved, ..Default::default() };
+                let (steps, _) = schedule(&Work::Restir(settings), conditions, Rotation::default());
                 steps.iter().map(|step| of_step(step, &settings, 0)).sum()
             };
             assert_eq!(rays(true), rays(false));

@@ -2,8 +2,9 @@
 
 use super::history::History;
 use super::pass::{BufferId, Pass, Step, barriers};
-use super::pipelines::Pipelines;
-use super::schedule::{Rotation, Work, looks, schedule};
+use super::pipelines::{PassPipeline, Pipelines, SHADERS, draw};
+use super::rays;
+use super::schedule::{Conditions, Primary, Rotation, Work, looks, schedule};
 use crate::error::{Error, Result};
 use crate::gpu_scene::GpuScene;
 use crate::scene::SceneDescription;
@@ -18,14 +19,16 @@ use shared::interface::{PassConstants, frame_binding, past_binding};
 
 use vk::{AccessFlags as Access, PipelineStageFlags as PipelineStage};
 
-const SHADERS: PipelineStage = PipelineStage::from_raw(
-    PipelineStage::COMPUTE_SHADER.as_raw() | PipelineStage::RAY_TRACING_SHADER_KHR.as_raw(),
+/// Stages that read a frame's constants.
+const READERS: PipelineStage = PipelineStage::from_raw(
+    SHADERS.as_raw() | PipelineStage::VERTEX_SHADER.as_raw() | PipelineStage::FRAGMENT_SHADER.as_raw(),
 );
 
 /// What a frame is made with, beside its camera.
 #[derive(Clone, Copy, Debug)]
 pub struct FrameOptions {
     pub work: Work,
+    pub primary: Primary,
     pub seed: u32,
     /// Factor from nit to display values.
     pub exposure: f32,
@@ -93,6 +96,11 @@ impl Recorder {
     /// The next frame has the lights that `scene` has now, see [`GpuScene::replace_lights`]. Waits for frames in flight.
     pub fn replace_lights(&mut self, scene: &SceneDescription, edits: &LightEdits) -> Result<()> {
         self.scene.replace_lights(&self.device, scene, edits)
+    }
+
+    /// Rays a pixel of a frame of this scene, at most: see [`rays::most`].
+    pub fn most_rays(&self, settings: &Settings, primary: Primary) -> u64 {
+        rays::most(settings, primary.draws(&self.device), self.scene.features())
     }
 
     pub fn scene(&self) -> &GpuScene {
@@ -182,7 +190,12 @@ impl Recorder {
             environment_size: self.scene.environment_size(),
             first_environment_light: self.scene.first_environment_light(),
         };
-        let (steps, next) = schedule(&options.work, self.scene.features(), history.rotation, moved);
+        let draws = options.primary.draws(&self.device);
+        let conditions = Conditions { draws, features: self.scene.features(), moved };
+        let (steps, next) = schedule(&options.work, conditions, history.rotation);
+        if draws {
+            history.targets.make_visibility(&self.device)?;
+        }
         self.pipelines.prepare(steps.iter().map(|step| step.pass))?;
         Ok(Plan { constants, steps, next, now })
     }
@@ -205,12 +218,12 @@ impl Recorder {
     fn record_constants(&self, cmd: vk::CommandBuffer, constants: &FrameConstants) {
         let device = &self.device;
         // The frame before may still read its constants, or be copied from.
-        let readers = (SHADERS | PipelineStage::TRANSFER, Access::empty());
+        let readers = (READERS | PipelineStage::TRANSFER, Access::empty());
         memory_barrier(device, cmd, readers, readers);
         // SAFETY: `cmd` is recording, and the buffer has the size of the constants, a multiple of 4 below 64 KiB.
         unsafe { device.cmd_update_buffer(cmd, self.constants.handle(), 0, bytemuck::bytes_of(constants)) };
         let written = (PipelineStage::TRANSFER, Access::TRANSFER_WRITE);
-        memory_barrier(device, cmd, written, (SHADERS, Access::UNIFORM_READ));
+        memory_barrier(device, cmd, written, (READERS, Access::UNIFORM_READ));
     }
 
     fn record_steps(
@@ -258,6 +271,11 @@ impl Recorder {
             pipeline.bind_set(cmd, past_binding::SET, past);
         }
         pipeline.push_constants(cmd, &step.constants);
-        pass.launch(cmd, step.pass, seen.history.size(), settings)
+        let (PassPipeline::Raster(pipelines), Some(target)) = (pass, seen.history.targets.drawn()) else {
+            return pass.launch(cmd, step.pass, seen.history.size(), settings);
+        };
+        let buffer = seen.buffer(step.buffers[0]);
+        draw(&self.device, cmd, pipelines, self.scene.draws(), target, buffer);
+        Ok(())
     }
 }

@@ -2,9 +2,12 @@
 
 use super::pass::{BufferId, Pass, Role, Step};
 use super::passes::{
-    gbuffer, initial, initial_tiled, presample, reference, shade, shade_known, spatial, spatial_unbiased,
-    temporal, temporal_moving, temporal_unbiased, temporal_unbiased_moving, tonemap,
+    gbuffer, gbuffer_raster, initial, initial_tiled, presample, reference, shade, shade_known, spatial,
+    spatial_unbiased, temporal, temporal_moving, temporal_unbiased, temporal_unbiased_moving, tonemap,
+    visibility,
 };
+use crate::vulkan::Device;
+use serde::{Deserialize, Serialize};
 use shared::frame::{Settings, mode};
 use shared::interface::PassConstants;
 use std::ops::Range;
@@ -21,6 +24,41 @@ pub struct Rotation {
     history: usize,
 }
 
+/// How a frame finds what its pixels see. Both give the same surfaces, but where a pixel's center lies on an edge.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Primary {
+    /// What was measured to be faster: `raster` on processors, `rays` on other devices.
+    #[default]
+    Auto,
+    /// The graphics pipeline draws the scene.
+    Raster,
+    /// A ray a pixel.
+    Rays,
+}
+
+impl Primary {
+    /// Is the scene drawn on `device`?
+    pub fn draws(self, device: &Device) -> bool {
+        match self {
+            Primary::Auto => device.info().is_processor(),
+            Primary::Raster => true,
+            Primary::Rays => false,
+        }
+    }
+}
+
+/// What the passes of a frame depend on beside its work.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Conditions {
+    /// Surfaces are drawn, not found by rays.
+    pub draws: bool,
+    /// [`shared::frame::features`] of the scene.
+    pub features: u32,
+    /// The scene is not where it was in the frame before.
+    pub moved: bool,
+}
+
 /// What a frame computes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Work {
@@ -32,20 +70,19 @@ pub enum Work {
     ReferenceSlice { first: u32, count: u32 },
 }
 
-/// The passes of one frame and the rotation that the next frame starts from. `moved`: the scene is not where it was in the
-/// frame before. `features`: of the scene.
-pub fn schedule(work: &Work, features: u32, rotation: Rotation, moved: bool) -> (Vec<Step>, Rotation) {
+/// The passes of one frame and the rotation that the next frame starts from.
+pub fn schedule(work: &Work, conditions: Conditions, rotation: Rotation) -> (Vec<Step>, Rotation) {
     let (input, output) = (rotation.history, rotation.other(0));
-    let mut frame = Frame { features, moved, rotation, input, output, steps: Vec::new() };
+    let mut frame = Frame { conditions, rotation, input, output, steps: Vec::new() };
     if let Work::ReferenceSlice { first, count } = *work {
         if first == 0 {
-            frame.push(&gbuffer::PASS, PassConstants::default());
+            frame.surfaces();
         }
         frame.reference(first..first + count);
         // The next slice adds to the same surfaces.
         return (frame.steps, rotation);
     }
-    frame.push(&gbuffer::PASS, PassConstants::default());
+    frame.surfaces();
     match *work {
         Work::Restir(ref settings) => frame.restir(settings),
         Work::Reference { lights } => frame.reference(0..lights),
@@ -59,7 +96,7 @@ pub fn schedule(work: &Work, features: u32, rotation: Rotation, moved: bool) -> 
 pub fn looks(passes: &[(&'static Pass, PassConstants)], after: Rotation) -> Vec<Step> {
     let rotation = Rotation { gbuffer: 1 - after.gbuffer, ..after };
     let (input, output) = (after.history, after.other(0));
-    let mut frame = Frame { features: 0, moved: false, rotation, input, output, steps: Vec::new() };
+    let mut frame = Frame { conditions: Conditions::default(), rotation, input, output, steps: Vec::new() };
     for &(pass, constants) in passes {
         frame.push(pass, constants);
     }
@@ -84,8 +121,7 @@ impl Rotation {
 }
 
 struct Frame {
-    features: u32,
-    moved: bool,
+    conditions: Conditions,
     rotation: Rotation,
     /// Reservoirs the next pass reads / the next pass writes.
     input: usize,
@@ -94,8 +130,16 @@ struct Frame {
 }
 
 impl Frame {
+    fn surfaces(&mut self) {
+        let passes: &[&'static Pass] = match self.conditions.draws {
+            true => &[&visibility::PASS, &gbuffer_raster::PASS],
+            false => &[&gbuffer::PASS],
+        };
+        passes.iter().for_each(|pass| self.push(pass, PassConstants::default()));
+    }
+
     fn restir(&mut self, settings: &Settings) {
-        let (temporal, spatial) = match (settings.mode == mode::UNBIASED, self.moved) {
+        let (temporal, spatial) = match (settings.mode == mode::UNBIASED, self.conditions.moved) {
             (true, true) => (&temporal_unbiased_moving::PASS, &spatial_unbiased::PASS),
             (true, false) => (&temporal_unbiased::PASS, &spatial_unbiased::PASS),
             (false, true) => (&temporal_moving::PASS, &spatial::PASS),
@@ -118,7 +162,7 @@ impl Frame {
             }
         }
         self.input = self.output;
-        let asks = settings.shading_needs_rays(self.features);
+        let asks = settings.shading_needs_rays(self.conditions.features);
         self.push(if asks { &shade::PASS } else { &shade_known::PASS }, PassConstants::default());
     }
 
@@ -150,6 +194,7 @@ impl Frame {
             Role::Statistics => BufferId::Statistics,
             Role::Rays => BufferId::Rays,
             Role::Hits => BufferId::Hits,
+            Role::Visibility => BufferId::Visibility,
         }
     }
 }
@@ -167,25 +212,30 @@ mod tests {
             for (temporal, spatial) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
                 let settings =
                     Settings { temporal, spatial, spatial_iterations: iterations, ..Default::default() };
-                follow(&Work::Restir(settings));
+                follow(&Work::Restir(settings), true, "gbuffer_raster");
+                follow(&Work::Restir(settings), false, "gbuffer");
             }
         }
     }
 
-    fn follow(work: &Work) {
+    fn follow(work: &Work, draws: bool, surfaces: &str) {
         let mut rotation = Rotation::default();
         let mut content: HashMap<BufferId, (u32, &str)> = HashMap::new();
         for frame in 0..7 {
-            let (steps, next) = schedule(work, 0, rotation, frame % 2 == 1);
+            let conditions = Conditions { draws, moved: frame % 2 == 1, features: 0 };
+            let (steps, next) = schedule(work, conditions, rotation);
             let mut last_reservoirs = "";
             for step in &steps {
                 for (&(role, access), buffer) in step.pass.uses.iter().zip(&step.buffers) {
                     let found = content.get(buffer).copied();
                     match role {
                         Role::GBuffer if access == Access::Read => {
-                            assert_eq!(found, Some((frame, "gbuffer")))
+                            assert_eq!(found, Some((frame, surfaces)))
                         }
-                        Role::PreviousGBuffer if frame > 0 => assert_eq!(found, Some((frame - 1, "gbuffer"))),
+                        Role::PreviousGBuffer if frame > 0 => assert_eq!(found, Some((frame - 1, surfaces))),
+                        Role::Visibility if access == Access::Read => {
+                            assert_eq!(found, Some((frame, "visibility")))
+                        }
                         Role::ReservoirsIn => assert_eq!(found, Some((frame, last_reservoirs))),
                         Role::ReservoirsHistory if frame > 0 => {
                             assert_eq!(found.map(|f| f.0), Some(frame - 1), "history is of the frame before");
@@ -202,10 +252,10 @@ mod tests {
                 }
             }
             let view = looks(&[(&super::super::passes::view::PASS, PassConstants::default())], next);
-            assert_eq!(content[&view[0].buffers[0]], (frame, "gbuffer"));
+            assert_eq!(content[&view[0].buffers[0]], (frame, surfaces));
             assert_eq!(content[&view[0].buffers[1]], (frame, last_reservoirs));
             assert_eq!(content[&next.last_reservoirs()], (frame, last_reservoirs));
-            assert_eq!(content[&next.last_gbuffer()], (frame, "gbuffer"));
+            assert_eq!(content[&next.last_gbuffer()], (frame, surfaces));
             rotation = next;
         }
     }
@@ -213,7 +263,7 @@ mod tests {
     #[test]
     fn the_thesis_frame_reads_like_the_paper() {
         let thesis = Settings { mode: mode::BIASED, spatial_iterations: 2, ..Settings::default() };
-        let (steps, _) = schedule(&Work::Restir(thesis), 0, Rotation::default(), false);
+        let (steps, _) = schedule(&Work::Restir(thesis), Conditions::default(), Rotation::default());
         let stems: Vec<_> = steps.iter().map(|s| s.pass.stem).collect();
         assert_eq!(stems, ["gbuffer", "initial", "temporal", "spatial", "spatial", "shade", "tonemap"]);
         assert!(barriers(&steps).iter().all(|&wait| wait), "each pass needs the one before it");
@@ -222,7 +272,8 @@ mod tests {
     #[test]
     fn the_reference_covers_each_light_once() {
         for lights in [0, 1, 63, 64, 65, 500] {
-            let (steps, _) = schedule(&Work::Reference { lights }, 0, Rotation::default(), false);
+            let (steps, _) =
+                schedule(&Work::Reference { lights }, Conditions::default(), Rotation::default());
             let ranges = steps.iter().filter(|s| s.pass.stem == "reference").map(|s| s.constants);
             let covered: Vec<u32> =
                 ranges.flat_map(|c| c.first_light..c.first_light + c.light_count).collect();
@@ -235,7 +286,8 @@ mod tests {
         let mut rotation = Rotation::default();
         let mut covered = Vec::new();
         for (first, count) in [(0, 100), (100, 30), (130, 1)] {
-            let (steps, next) = schedule(&Work::ReferenceSlice { first, count }, 0, rotation, false);
+            let work = Work::ReferenceSlice { first, count };
+            let (steps, next) = schedule(&work, Conditions::default(), rotation);
             let surfaces = steps.iter().filter(|s| s.pass.stem == "gbuffer").count();
             assert_eq!(surfaces, usize::from(first == 0), "one set of surfaces for all");
             let adds = steps.iter().filter(|s| s.pass.stem == "reference").map(|s| s.constants);

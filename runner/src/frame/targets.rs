@@ -2,7 +2,7 @@
 
 use super::pass::BufferId;
 use crate::error::Result;
-use crate::vulkan::{Buffer, Device, Memory, Uploader};
+use crate::vulkan::{Buffer, Device, DrawTarget, Memory, Uploader};
 use ash::vk;
 use glam::{UVec2, Vec3};
 use shared::light::tile::{TILE_SIZE, TILES, TileEntry};
@@ -25,6 +25,10 @@ pub struct Targets {
     /// Of the floors, and whether each hit; tiny until they are asked for.
     rays: Buffer,
     hits: Buffer,
+    /// Of frames that are rasterized; absent until there is one.
+    visibility: Buffer,
+    drawn: Option<DrawTarget>,
+    size: UVec2,
 }
 
 impl Targets {
@@ -48,12 +52,33 @@ impl Targets {
             radiance: make("radiance", size_of::<Vec3>(), 1)?,
             display: make("display", 4, 1)?,
             tiles: [tile("tile entries", size_of::<TileEntry>())?, tile("tile points", 4)?],
+            visibility: storage(device, "visibility", 0)?,
+            drawn: None,
+            size,
         })
     }
 
-    /// Makes room for a mean over frames and for sums over blocks, for pictures of `size`.
-    pub fn make_mean(&mut self, device: &Device, size: UVec2) -> Result<()> {
-        let pixels = u64::from(size.x) * u64::from(size.y);
+    /// Makes room for what the graphics pipeline draws, unless it is there.
+    pub fn make_visibility(&mut self, device: &Device) -> Result<()> {
+        if self.drawn.is_none() {
+            self.visibility = storage(device, "visibility", self.pixels() * size_of::<UVec2>() as u64)?;
+            self.drawn = Some(DrawTarget::new(device, self.size)?);
+        }
+        Ok(())
+    }
+
+    /// What the graphics pipeline draws into, once there is room for it.
+    pub fn drawn(&self) -> Option<&DrawTarget> {
+        self.drawn.as_ref()
+    }
+
+    fn pixels(&self) -> u64 {
+        u64::from(self.size.x) * u64::from(self.size.y)
+    }
+
+    /// Makes room for a mean over frames and for sums over blocks.
+    pub fn make_mean(&mut self, device: &Device) -> Result<()> {
+        let (size, pixels) = (self.size, self.pixels());
         let blocks = u64::from(size.x.div_ceil(BLOCK)) * u64::from(size.y.div_ceil(BLOCK));
         self.mean = storage(device, "mean", pixels * size_of::<Vec3>() as u64)?;
         self.statistics = storage(device, "statistics", blocks * size_of::<BlockSums>() as u64)?;
@@ -85,6 +110,7 @@ impl Targets {
             BufferId::Statistics => &self.statistics,
             BufferId::Rays => &self.rays,
             BufferId::Hits => &self.hits,
+            BufferId::Visibility => &self.visibility,
         }
     }
 
@@ -96,8 +122,9 @@ impl Targets {
             .chain(&self.reservoirs)
             .chain([&self.radiance, &self.display])
             .chain(&self.tiles)
-            .chain([&self.mean, &self.statistics, &self.rays, &self.hits]);
-        all.map(Buffer::size).sum()
+            .chain([&self.mean, &self.statistics, &self.rays, &self.hits, &self.visibility]);
+        let images = self.drawn.as_ref().map_or(0, |_| self.pixels() * DrawTarget::BYTES);
+        all.map(Buffer::size).sum::<u64>() + images
     }
 }
 

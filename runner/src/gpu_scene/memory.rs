@@ -1,6 +1,7 @@
 //! What each feature of a scene costs in device memory: the buffers and images that would not be there without it.
 
 use super::arrays::SceneArrays;
+use super::draws::DRAW_BYTES;
 use crate::scene::lights::LightTable;
 use crate::scene::{Image, SceneDescription};
 use serde::Serialize;
@@ -70,7 +71,8 @@ fn geometry(arrays: &SceneArrays) -> Cost {
     let bytes = size_of_val(&arrays.positions[..])
         + size_of_val(&arrays.attributes[..])
         + size_of_val(&arrays.indices[..])
-        + size_of_val(&arrays.instances[..]);
+        + size_of_val(&arrays.instances[..])
+        + DRAW_BYTES * arrays.instances.len();
     let detail = format!("{vertices} vertices, {} triangles", arrays.indices.len() / 3);
     Cost { feature: "geometry", bytes: bytes as u64, detail }
 }

@@ -1,6 +1,7 @@
 //! A scene on the device: buffers, textures, acceleration structures, and descriptor set 0 that shows them to shaders.
 
 pub mod arrays;
+pub mod draws;
 pub mod memory;
 pub mod past;
 
@@ -15,6 +16,7 @@ use crate::vulkan::{
 };
 use arrays::{SceneArrays, environment_texels};
 use ash::vk;
+use draws::Draws;
 use glam::{Affine3A, UVec2, Vec3A};
 use past::Past;
 use shared::frame::features;
@@ -34,6 +36,7 @@ pub struct GpuScene {
     arrays: SceneArrays,
     /// By their binding.
     buffers: BTreeMap<u32, Buffer>,
+    draws: Draws,
     blas: BlasSet,
     tlas: Tlas,
     past: Option<Past>,
@@ -80,6 +83,7 @@ impl GpuScene {
                 upload.buffer("environment map", &environment_texels(scene), storage)?,
             ),
         ]);
+        let draws = Draws::new(&mut upload, &arrays)?;
         let (textures, views) = upload_textures(device, &mut upload, scene)?;
         upload.finish()?;
         startup::done("upload", start);
@@ -108,6 +112,7 @@ impl GpuScene {
             features: arrays.features,
             arrays: arrays.without_geometry(),
             buffers,
+            draws,
             blas,
             tlas,
             past: None,
@@ -117,6 +122,11 @@ impl GpuScene {
 
     pub fn set(&self) -> &DescriptorSet {
         &self.set
+    }
+
+    /// The triangles, for the graphics pipeline.
+    pub fn draws(&self) -> &Draws {
+        &self.draws
     }
 
     pub fn light_count(&self) -> u32 {
@@ -140,7 +150,7 @@ impl GpuScene {
 
     /// Device memory of all buffers, bytes; see [`memory`] for what they hold.
     pub fn bytes(&self) -> u64 {
-        self.buffers.values().map(Buffer::size).sum::<u64>() + self.past_bytes()
+        self.buffers.values().map(Buffer::size).sum::<u64>() + self.draws.bytes() + self.past_bytes()
     }
 
     /// Device memory of the acceleration structures, bytes.
@@ -157,8 +167,11 @@ impl GpuScene {
 /// The layout of set 0 for a scene with so many textures and these features.
 fn set_layout(device: &Device, textures: u32, features: u32) -> Result<SetLayout> {
     use vk::ShaderStageFlags as Stage;
-    let any_hit = if features & features::ALPHA != 0 { Stage::ANY_HIT_KHR } else { Stage::empty() };
-    let stages = Stage::RAYGEN_KHR | Stage::COMPUTE | any_hit;
+    let alpha = match features & features::ALPHA != 0 {
+        true => Stage::ANY_HIT_KHR | Stage::FRAGMENT,
+        false => Stage::empty(),
+    };
+    let stages = Stage::RAYGEN_KHR | Stage::COMPUTE | Stage::VERTEX | alpha;
     let mut bindings = vec![Binding::one(
         scene_binding::TLAS,
         vk::DescriptorType::ACCELERATION_STRUCTURE_KHR,
@@ -167,7 +180,8 @@ fn set_layout(device: &Device, textures: u32, features: u32) -> Result<SetLayout
     for binding in scene_binding::INSTANCES..scene_binding::TEXTURES {
         bindings.push(Binding::one(binding, vk::DescriptorType::STORAGE_BUFFER, stages));
     }
-    bindings.push(Binding::textures(scene_binding::TEXTURES, textures, Stage::RAYGEN_KHR | any_hit));
+    let stages = Stage::RAYGEN_KHR | Stage::COMPUTE | alpha;
+    bindings.push(Binding::textures(scene_binding::TEXTURES, textures, stages));
     SetLayout::new(device, "scene", &bindings)
 }
 

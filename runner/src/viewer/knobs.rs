@@ -1,5 +1,6 @@
 //! Every knob of the estimator: its words and its steps. A new one is a `static` and its name in [`ALL`].
 
+use crate::frame::schedule::Primary;
 use crate::settings_file::{self, Mode, SettingsFile, Tiles};
 use std::ops::RangeInclusive;
 
@@ -31,6 +32,7 @@ enum Kind {
     Degrees(fn(&mut SettingsFile) -> &mut f64, RangeInclusive<f64>),
     Mode,
     Tiles,
+    Primary,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,6 +57,7 @@ pub static ALL: &[&Knob] = &[
     &CONFIDENCE_CAP,
     &BSDF_CANDIDATES,
     &TILES,
+    &PRIMARY,
 ];
 
 pub static CANDIDATES: Knob = Knob {
@@ -197,6 +200,16 @@ pub static TILES: Knob = Knob {
     kind: Kind::Tiles,
 };
 
+pub static PRIMARY: Knob = Knob {
+    name: "Primary",
+    unit: "auto, raster or rays",
+    meaning: "What pixels see is drawn by the graphics pipeline, not traced by a ray each.",
+    higher: "raster: no rays from the eye",
+    lower: "rays: one a pixel (auto: raster on processors, rays elsewhere)",
+    bias: "none; pixels whose center lies on an edge may show its other side",
+    kind: Kind::Primary,
+};
+
 /// A name is one knob's.
 impl PartialEq for Knob {
     fn eq(&self, other: &Knob) -> bool {
@@ -224,6 +237,13 @@ impl Knob {
                 *of(s) = (*of(s) + if up { 5.0 } else { -5.0 }).clamp(*range.start(), *range.end());
             }
             Kind::Mode => s.mode = if up { Mode::Unbiased } else { Mode::Biased },
+            Kind::Primary => {
+                s.primary = match (s.primary, up) {
+                    (Primary::Rays, true) | (Primary::Raster, false) => Primary::Auto,
+                    (_, true) => Primary::Raster,
+                    (_, false) => Primary::Rays,
+                }
+            }
             Kind::Tiles => {
                 s.tiles = match (s.tiles, up) {
                     (Tiles::Off, true) | (Tiles::On, false) => Tiles::Auto,
@@ -252,6 +272,12 @@ impl Knob {
             Kind::Amount(of, _) => format!("{:.0}", of(&mut s)),
             Kind::Degrees(of, _) => format!("{:.0}°", of(&mut s)),
             Kind::Mode => if s.mode == Mode::Unbiased { "unbiased" } else { "biased" }.into(),
+            Kind::Primary => match s.primary {
+                Primary::Auto => "auto",
+                Primary::Raster => "raster",
+                Primary::Rays => "rays",
+            }
+            .into(),
             Kind::Tiles => match s.tiles {
                 Tiles::Auto => "auto",
                 Tiles::On => "on",

@@ -7,7 +7,7 @@ use crate::frame::recorder::{FrameOptions, Recorder};
 use crate::frame::schedule::Work;
 use crate::vulkan::{Device, Timestamps};
 use ash::vk;
-use glam::{UVec2, Vec3};
+use glam::UVec2;
 use shared::camera::Camera;
 use shared::interface::PassConstants;
 use shared::view::kind;
@@ -36,13 +36,13 @@ impl Reference {
         (self.lights, self.count) = (0, 0);
     }
 
-    /// Records the next slice; the display shows the mean, or the growing sum until there is one.
+    /// Records the next slice, with what else a frame is made `like`; the display shows the mean, or the growing sum until there is one.
     pub fn record(
         &mut self,
         cmd: vk::CommandBuffer,
         recorder: &mut Recorder,
         camera: Camera,
-        exposure: f32,
+        like: &FrameOptions,
         budget: u64,
         timestamps: &mut Timestamps,
     ) -> Result<()> {
@@ -50,7 +50,7 @@ impl Reference {
         let first = self.lights;
         let count = slice(total - first, self.history.size(), budget);
         let work = Work::ReferenceSlice { first, count };
-        let options = FrameOptions { work, seed: SEED, exposure, background: Vec3::ZERO };
+        let options = FrameOptions { work, seed: SEED, ..*like };
         recorder.record(cmd, &mut self.history, camera, &options, timestamps)?;
         self.lights = first + count;
         let mut looks = Vec::new();

@@ -40,6 +40,8 @@ pub struct Limits {
     pub handle_alignment: u32,
     pub table_alignment: u32,
     pub max_ray_dispatch: u32,
+    /// Draws of one indirect command.
+    pub max_draws: u32,
     pub scratch_alignment: u32,
     /// Of a bottom-level structure.
     pub max_geometries: u64,
@@ -58,6 +60,8 @@ pub struct Limits {
     pub max_textures: u32,
     /// Side of a 2D image, texels.
     pub max_image_side: u32,
+    /// Width or height of a picture that the graphics pipeline draws.
+    pub max_drawn_side: u32,
     /// 1 where the device has no anisotropic filter.
     pub max_anisotropy: f32,
 }
@@ -337,7 +341,9 @@ fn create(
 ) -> Result<(ash::Device, bool)> {
     // SAFETY: a device of this instance.
     let present = unsafe { instance.get_physical_device_features(physical.handle) };
-    let optional = vk::PhysicalDeviceFeatures::default()
+    let enabled = vk::PhysicalDeviceFeatures::default()
+        .multi_draw_indirect(true)
+        .draw_indirect_first_instance(true)
         .sampler_anisotropy(present.sampler_anisotropy == vk::TRUE)
         .shader_storage_image_extended_formats(present.shader_storage_image_extended_formats == vk::TRUE);
     let mut v12 = physical::vulkan12_features();
@@ -354,7 +360,7 @@ fn create(
     let mut info = vk::DeviceCreateInfo::default()
         .queue_create_infos(&queues)
         .enabled_extension_names(&names)
-        .enabled_features(&optional)
+        .enabled_features(&enabled)
         .push_next(&mut v12)
         .push_next(&mut acceleration)
         .push_next(&mut ray_tracing);
@@ -364,7 +370,7 @@ fn create(
     // SAFETY: `choose` has seen that the device has these extensions and features.
     let device = unsafe { instance.create_device(physical.handle, &info, None) }
         .check(format_args!("create device '{}'", physical.info.name))?;
-    Ok((device, optional.sampler_anisotropy == vk::TRUE))
+    Ok((device, enabled.sampler_anisotropy == vk::TRUE))
 }
 
 fn limits(instance: &ash::Instance, physical: &PhysicalDevice, anisotropy: bool) -> Limits {
@@ -383,11 +389,14 @@ fn limits(instance: &ash::Instance, physical: &PhysicalDevice, anisotropy: bool)
         limits.max_descriptor_set_samplers,
         limits.max_descriptor_set_sampled_images,
     ];
+    let [width, height] = limits.max_viewport_dimensions;
+    let drawn = [limits.max_framebuffer_width, limits.max_framebuffer_height, width, height];
     Limits {
         handle_size: ray_tracing.shader_group_handle_size,
         handle_alignment: ray_tracing.shader_group_handle_alignment,
         table_alignment: ray_tracing.shader_group_base_alignment,
         max_ray_dispatch: ray_tracing.max_ray_dispatch_invocation_count,
+        max_draws: limits.max_draw_indirect_count,
         scratch_alignment: acceleration.min_acceleration_structure_scratch_offset_alignment,
         max_geometries: acceleration.max_geometry_count,
         max_triangles: acceleration.max_primitive_count,
@@ -401,6 +410,7 @@ fn limits(instance: &ash::Instance, physical: &PhysicalDevice, anisotropy: bool)
         max_push_constants: limits.max_push_constants_size,
         max_textures: textures.into_iter().min().unwrap_or(0),
         max_image_side: limits.max_image_dimension2_d,
+        max_drawn_side: drawn.into_iter().fold(limits.max_image_dimension2_d, u32::min),
         max_anisotropy: if anisotropy { limits.max_sampler_anisotropy } else { 1.0 },
     }
 }

@@ -1,6 +1,7 @@
 //! 2D images with their view, mip chains, and samplers.
 
 use super::Check;
+use super::buffer::Buffer;
 use super::commands::Scope;
 use super::device::{Device, creation_error};
 use crate::error::{Error, Result};
@@ -34,12 +35,13 @@ impl<'a> ImageDesc<'a> {
     }
 }
 
-/// A color image with memory and view; freed when it drops, so not before the device is done with it.
+/// An image of colors or of depths, with memory and view; freed when it drops, so not before the device is done with it.
 pub struct Image {
     device: Device,
     handle: vk::Image,
     view: vk::ImageView,
     allocation: Option<Allocation>,
+    aspect: vk::ImageAspectFlags,
     width: u32,
     height: u32,
     levels: u32,
@@ -69,9 +71,13 @@ impl Image {
         // SAFETY: a valid create info; the handle is destroyed by `drop`.
         let handle = unsafe { device.create_image(&info, None) }
             .map_err(|e| creation_error(e, &format!("image '{name}'"), bytes, MemoryLocation::GpuOnly))?;
+        let aspect = match format {
+            vk::Format::D32_SFLOAT => vk::ImageAspectFlags::DEPTH,
+            _ => vk::ImageAspectFlags::COLOR,
+        };
         let view = vk::ImageView::null();
         let mut image =
-            Image { device: device.clone(), handle, view, allocation: None, width, height, levels };
+            Image { device: device.clone(), handle, view, allocation: None, aspect, width, height, levels };
         image.bind(desc)?;
         device.set_name(handle, name);
         device.set_name(image.view, name);
@@ -118,7 +124,7 @@ impl Image {
 
     fn range(&self, first: u32, count: u32) -> vk::ImageSubresourceRange {
         vk::ImageSubresourceRange::default()
-            .aspect_mask(vk::ImageAspectFlags::COLOR)
+            .aspect_mask(self.aspect)
             .base_mip_level(first)
             .level_count(count)
             .layer_count(1)
@@ -173,6 +179,18 @@ impl Image {
         let layout = vk::ImageLayout::TRANSFER_DST_OPTIMAL;
         // SAFETY: `cmd` is recording, the rows exist on both sides, and the level is in this layout.
         unsafe { self.device.cmd_copy_buffer_to_image(cmd, source, self.handle, layout, &[copy]) };
+    }
+
+    /// Copies level 0 to `buffer`, tightly packed; the level must be in the layout for it.
+    pub(super) fn record_copy(&self, cmd: vk::CommandBuffer, buffer: &Buffer) {
+        let copy = vk::BufferImageCopy::default().image_subresource(layers(0)).image_extent(vk::Extent3D {
+            width: self.width,
+            height: self.height,
+            depth: 1,
+        });
+        let layout = vk::ImageLayout::TRANSFER_SRC_OPTIMAL;
+        // SAFETY: `cmd` is recording, and the owner made the buffer for these texels.
+        unsafe { self.device.cmd_copy_image_to_buffer(cmd, self.handle, layout, buffer.handle(), &[copy]) };
     }
 
     /// Fills levels 1.. from level 0, each from the one before, and leaves all ready to be sampled.

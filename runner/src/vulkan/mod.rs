@@ -1,5 +1,5 @@
 //! Vulkan, as thin as safety allows. Reading order: `device`, `buffer`, `image`, `commands`, `upload`,
-//! `acceleration`, `descriptors`, `pipeline`, `ray_pipeline`, `timing`; for windows `surface`, `swapchain`.
+//! `acceleration`, `descriptors`, `pipeline`, `ray_pipeline`, `draw_target`, `draw_pipeline`, `timing`; for windows `surface`, `swapchain`.
 //!
 //! Recording takes raw `vk::CommandBuffer`s: whoever records keeps what the commands use alive until they have run.
 
@@ -9,6 +9,8 @@ pub mod commands;
 mod compaction;
 pub mod descriptors;
 pub mod device;
+pub mod draw_pipeline;
+pub mod draw_target;
 pub mod executables;
 pub mod image;
 mod instance;
@@ -31,6 +33,8 @@ pub use buffer::{Buffer, Memory};
 pub use commands::{CommandRing, FrameCommands, Scope, full_barrier, memory_barrier};
 pub use descriptors::{Binding, DescriptorSet, PushSet, SetLayout};
 pub use device::{Device, DeviceOptions, Limits};
+pub use draw_pipeline::{DrawPipeline, DrawPipelineDesc};
+pub use draw_target::DrawTarget;
 pub use image::{Image, ImageDesc};
 pub use physical::DeviceInfo;
 pub use pipeline::{ComputePipeline, Interface, Pipeline, Shader};

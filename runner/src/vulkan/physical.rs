@@ -18,6 +18,13 @@ pub struct DeviceInfo {
     pub api_version: String,
 }
 
+impl DeviceInfo {
+    /// Does a processor play the device?
+    pub fn is_processor(&self) -> bool {
+        self.kind == "cpu"
+    }
+}
+
 pub(super) struct PhysicalDevice {
     pub handle: vk::PhysicalDevice,
     pub info: DeviceInfo,
@@ -177,7 +184,10 @@ fn missing_features(instance: &ash::Instance, handle: vk::PhysicalDevice) -> Vec
         .push_next(&mut ray_tracing);
     // SAFETY: a device of this instance, Vulkan 1.2; structures of absent extensions are left as they are.
     unsafe { instance.get_physical_device_features2(handle, &mut features) };
+    let v10 = features.features;
     let all = [
+        (v10.multi_draw_indirect, "multiDrawIndirect"),
+        (v10.draw_indirect_first_instance, "drawIndirectFirstInstance"),
         (v12.scalar_block_layout, "scalarBlockLayout"),
         (v12.vulkan_memory_model, "vulkanMemoryModel"),
         (v12.vulkan_memory_model_device_scope, "vulkanMemoryModelDeviceScope"),

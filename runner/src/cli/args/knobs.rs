@@ -2,6 +2,7 @@
 
 use super::values::positive;
 use crate::error::{Error, Result};
+use crate::frame::schedule::Primary;
 use crate::settings_file::{
     BSDF_CANDIDATES, CANDIDATES, ITERATIONS, Mode, NEIGHBORS, RESERVOIRS, SettingsFile, Tiles,
 };
@@ -56,6 +57,9 @@ pub struct KnobArgs {
     /// How reused reservoirs are weighted [default: unbiased].
     #[arg(long, value_enum)]
     pub mode: Option<Mode>,
+    /// How a frame finds what its pixels see [default: auto].
+    #[arg(long, value_enum)]
+    pub primary: Option<Primary>,
 }
 
 impl KnobArgs {
@@ -82,6 +86,7 @@ impl KnobArgs {
                 (_, true) => Tiles::Off,
                 _ => file.tiles,
             },
+            primary: self.primary.unwrap_or(file.primary),
         };
         document.check().map_err(Error::Usage)?;
         Ok(document)

@@ -5,6 +5,7 @@ pub mod floor_copy;
 pub mod floor_primary;
 pub mod floor_shadow;
 pub mod gbuffer;
+pub mod gbuffer_raster;
 pub mod initial;
 pub mod initial_tiled;
 pub mod presample;
@@ -20,14 +21,17 @@ pub mod temporal_unbiased;
 pub mod temporal_unbiased_moving;
 pub mod tonemap;
 pub mod view;
+pub mod visibility;
 
 use super::pass::Pass;
 
-/// All passes. A frame takes either the biased or the unbiased pair of reuse passes, the temporal one `_moving` where something
+/// All passes. A frame takes either `gbuffer`, or `visibility` and `gbuffer_raster`; either the biased or the unbiased pair of reuse passes, the temporal one `_moving` where something
 /// moved; `reference` stands in for all from `initial` to `shade`. Those after `tonemap` follow where somebody asks for them: three are
 /// the viewer's, three measure floors.
-pub const ALL: [&Pass; 20] = [
+pub const ALL: [&Pass; 22] = [
     &gbuffer::PASS,
+    &visibility::PASS,
+    &gbuffer_raster::PASS,
     &initial::PASS,
     &presample::PASS,
     &initial_tiled::PASS,

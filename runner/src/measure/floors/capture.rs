@@ -3,16 +3,15 @@
 //! A pass of unbiased reuse traces a second ray that depends on what the first one met: the first ones are traced on the device
 //! before the second ones are known.
 
-use super::options;
+use super::Frame;
 use crate::error::Result;
 use crate::frame::history::History;
-use crate::frame::pass::{Role, Step};
+use crate::frame::pass::{Access, Role, Step};
 use crate::frame::renderer::Renderer;
 use crate::parallel;
 use crate::scene::lights::LightTable as SceneLights;
 use glam::UVec2;
 use shared::alpha::{self, SURE_HITS_ONLY};
-use shared::camera::Camera;
 use shared::frame::{FrameConstants, Settings};
 use shared::light::{LightTable, Lights};
 use shared::resampling::{Pixels, initial, spatial, temporal};
@@ -43,17 +42,18 @@ struct Found {
 pub fn rays(
     renderer: &mut Renderer,
     lights: &SceneLights,
-    camera: Camera,
-    settings: Settings,
+    frame: Frame,
     mut trace: impl FnMut(&mut Renderer, &[StoredRay]) -> Result<Vec<u32>>,
 ) -> Result<Vec<Captured>> {
+    let Frame { camera, settings, .. } = frame;
     let mut capture = Capture { lights, gbuffer: Vec::new(), fresh: Vec::new(), found: Vec::new() };
     let (recorder, history) = renderer.parts();
-    recorder.render_stepwise(history, camera, &options(settings), |history, frame, step| {
+    recorder.render_stepwise(history, camera, &frame.options(), |history, frame, step| {
         capture.see(history, frame, step)
     })?;
     // A survivor that was tested and failed leaves no trace of its ray. In the next frame nothing is tested.
-    let untested = options(Settings { visibility_reuse: 0, temporal: 0, spatial: 0, ..settings });
+    let untested = Settings { visibility_reuse: 0, temporal: 0, spatial: 0, ..settings };
+    let untested = Frame { settings: untested, ..frame }.options();
     let mut survivors = Vec::new();
     recorder.render_stepwise(history, camera, &untested, |history, frame, step| {
         if step.pass.stem.starts_with("initial") && settings.visibility_reuse != 0 {
@@ -100,11 +100,11 @@ struct Capture<'a> {
 
 impl Capture<'_> {
     fn see(&mut self, history: &History, frame: &FrameConstants, step: &Step) -> Result<()> {
+        if step.pass.uses.contains(&(Role::GBuffer, Access::Write)) {
+            self.gbuffer = history.read_role(step, Role::GBuffer)?;
+        }
         match step.pass.stem {
-            "gbuffer" => {
-                self.gbuffer = history.read_role(step, Role::GBuffer)?;
-                self.found.push(Found::new(step, frame, Vec::new()));
-            }
+            "gbuffer" => self.found.push(Found::new(step, frame, Vec::new())),
             "initial" | "initial_tiled" => self.fresh = history.read_role(step, Role::ReservoirsOut)?,
             "temporal_unbiased" => self.found.push(Found {
                 previous: history.read_role(step, Role::PreviousGBuffer)?,
@@ -203,7 +203,6 @@ fn shadow(ray: ShadowRay, key: u32) -> StoredRay {
 }
 
 fn primary(frame: &FrameConstants, pixel: UVec2) -> StoredRay {
-    let mut rng = Rng::new(pixel, frame.index, frame.seed, Stream::Primary, 0);
     let direction = frame.camera.direction(pixel.as_vec2() + 0.5, frame.size);
-    StoredRay::new(frame.camera.position, direction, alpha::key(rng.next_u32x4().x))
+    StoredRay::new(frame.camera.position, direction, alpha::primary_key(frame, pixel))
 }

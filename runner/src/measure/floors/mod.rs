@@ -9,7 +9,7 @@ use crate::error::Result;
 use crate::frame::pass::{BufferId, Pass};
 use crate::frame::passes::{floor_copy, floor_primary, floor_shadow};
 use crate::frame::renderer::{FrameOptions, MAX_TIMESTAMPS, Renderer};
-use crate::frame::schedule::Work;
+use crate::frame::schedule::{Primary, Work};
 use crate::measure::statistics::Times;
 use crate::measure::sweep::steady::{SteadyPlan, Watch};
 use crate::measure::times::PassTimes;
@@ -51,6 +51,15 @@ pub struct Floors {
     pub frame_ms: f64,
 }
 
+/// The frame whose floors are asked for.
+#[derive(Clone, Copy, Debug)]
+pub struct Frame {
+    pub camera: Camera,
+    /// With one reservoir a pixel.
+    pub settings: Settings,
+    pub primary: Primary,
+}
+
 /// Frames that give the captured one its history.
 pub const HISTORY: u32 = 16;
 
@@ -62,19 +71,12 @@ impl Floors {
 }
 
 /// The rays of the frame after [`HISTORY`] others, in its order.
-pub fn capture(
-    renderer: &mut Renderer,
-    lights: &LightTable,
-    camera: Camera,
-    settings: Settings,
-) -> Result<Vec<Captured>> {
+pub fn capture(renderer: &mut Renderer, lights: &LightTable, frame: Frame) -> Result<Vec<Captured>> {
     renderer.restart();
     for _ in 0..HISTORY {
-        renderer.render(camera, &options(settings))?;
+        renderer.render(frame.camera, &frame.options())?;
     }
-    capture::rays(renderer, lights, camera, settings, |renderer, rays| {
-        hits(renderer, &floor_shadow::PASS, rays)
-    })
+    capture::rays(renderer, lights, frame, |renderer, rays| hits(renderer, &floor_shadow::PASS, rays))
 }
 
 impl Captured {
@@ -89,15 +91,9 @@ impl Captured {
     }
 }
 
-/// Measures with `frames` timed launches of each kind, and as many of the whole frame. `settings`: one reservoir a pixel.
-pub fn measure(
-    renderer: &mut Renderer,
-    lights: &LightTable,
-    camera: Camera,
-    settings: Settings,
-    frames: u32,
-) -> Result<Floors> {
-    let captured = capture(renderer, lights, camera, settings)?;
+/// Measures with `frames` timed launches of each kind, and as many of the whole `frame`.
+pub fn measure(renderer: &mut Renderer, lights: &LightTable, frame: Frame, frames: u32) -> Result<Floors> {
+    let captured = capture(renderer, lights, frame)?;
     let mut bench = Bench { renderer, frames, steady: true };
     let rays = captured.iter().map(|captured| bench.rays(captured)).collect::<Result<_>>()?;
     let copied = 2 * u64::from(bench.renderer.size().element_product()) * size_of::<GBufferTexel>() as u64;
@@ -105,9 +101,9 @@ pub fn measure(
     let mut times = PassTimes::default();
     // The copy has overwritten the past.
     bench.renderer.restart();
-    bench.settle(|renderer| frame(renderer, camera, settings, None))?;
+    bench.settle(|renderer| frame.render(renderer, None))?;
     for _ in 0..frames {
-        frame(bench.renderer, camera, settings, Some(&mut times))?;
+        frame.render(bench.renderer, Some(&mut times))?;
     }
     let passes = times.medians().into_iter().map(|(stem, ms)| (stem.to_owned(), ms)).collect();
     let bandwidth = copied as f64 * 1e-6 / copy_ms.median;
@@ -115,25 +111,23 @@ pub fn measure(
     Ok(Floors { steady, rays, copied, copy_ms, bandwidth, passes, frame_ms: times.frame_median() })
 }
 
-fn options(settings: Settings) -> FrameOptions {
-    FrameOptions { work: Work::Restir(settings), seed: 0, exposure: 1.0, background: Vec3::ZERO }
-}
-
-/// One whole frame; gives its ms.
-fn frame(
-    renderer: &mut Renderer,
-    camera: Camera,
-    settings: Settings,
-    times: Option<&mut PassTimes>,
-) -> Result<f64> {
-    let start = Instant::now();
-    let steps = renderer.render(camera, &options(settings))?;
-    let steps = steps.unwrap_or_else(|| vec![("frame", start.elapsed().as_secs_f64() * 1e3)]);
-    let ms = steps.iter().map(|(_, ms)| ms).sum();
-    if let Some(times) = times {
-        times.add(Some(steps));
+impl Frame {
+    fn options(self) -> FrameOptions {
+        let (work, primary) = (Work::Restir(self.settings), self.primary);
+        FrameOptions { work, primary, seed: 0, exposure: 1.0, background: Vec3::ZERO }
     }
-    Ok(ms)
+
+    /// Renders the whole of it; gives its ms.
+    fn render(self, renderer: &mut Renderer, times: Option<&mut PassTimes>) -> Result<f64> {
+        let start = Instant::now();
+        let steps = renderer.render(self.camera, &self.options())?;
+        let steps = steps.unwrap_or_else(|| vec![("frame", start.elapsed().as_secs_f64() * 1e3)]);
+        let ms = steps.iter().map(|(_, ms)| ms).sum();
+        if let Some(times) = times {
+            times.add(Some(steps));
+        }
+        Ok(ms)
+    }
 }
 
 /// `pass` alone; gives its ms.

@@ -11,6 +11,7 @@ pub mod truth;
 use crate::cli::view;
 use crate::error::{Error, Result};
 use crate::frame::renderer::Renderer;
+use crate::frame::schedule::Primary;
 use crate::gpu_scene::GpuScene;
 use crate::measure::mean::Mean;
 use crate::scene::{self, SceneDescription, SceneSource};
@@ -135,7 +136,7 @@ impl Sweep<'_> {
         let runs = (plan.warm_up, plan.frames, plan.replicas, plan.seed, plan.steady);
         let accumulate = plan.accumulate.as_ref().map(|a| (a.ms, a.frames));
         // A truth that must be better goes on from what there is: only its method makes it another.
-        let truth_key = store::key(&(&place, plan.truth.max_rays))?;
+        let truth_key = store::key(&(&place, plan.truth.max_rays, spec.settings.primary))?;
         let key = store::key(&(&place, &plan.truth, &spec.settings, runs, accumulate))?;
         if let Some(known) = self.store.point(&key).filter(|_| !plan.times_only) {
             self.bar.inc(point::frames_of(plan));
@@ -211,8 +212,9 @@ impl Sweep<'_> {
         let plan = &self.plan.truth;
         let mut wanted = plan.error;
         loop {
-            let truth = self.truth(renderer, scene, camera, truth_key, wanted)?;
             let settings = &spec.settings;
+            let about = (truth_key, settings.primary);
+            let truth = self.truth(renderer, scene, camera, about, wanted)?;
             let mut measured =
                 point::measure(renderer, camera, self.plan, settings, Some(&truth), || self.bar.inc(1))?;
             let Some(judged) = &mut measured.judged else { return Ok(measured) };
@@ -232,7 +234,7 @@ impl Sweep<'_> {
         renderer: &mut Renderer,
         scene: &SceneDescription,
         camera: Camera,
-        key: &str,
+        (key, primary): (&str, Primary),
         wanted: f64,
     ) -> Result<Truth> {
         let plan = &self.plan.truth;
@@ -246,6 +248,7 @@ impl Sweep<'_> {
             lights,
             points_only: punctual == lights as usize,
             features: renderer.scene().features(),
+            primary,
         };
         self.bar.set_message("reference");
         let size = renderer.size();

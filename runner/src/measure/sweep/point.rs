@@ -6,7 +6,7 @@ use super::steady::{Settled, Watch};
 use super::truth::{AboutTruth, Truth};
 use crate::error::Result;
 use crate::frame::renderer::{FrameOptions, Renderer, StepTimes};
-use crate::frame::schedule::Work;
+use crate::frame::schedule::{Primary, Work};
 use crate::measure::mean::Mean;
 use crate::measure::metrics::{self, Metrics, Stability};
 use crate::measure::statistics::{Interval, Times};
@@ -122,7 +122,8 @@ pub fn measure(
     mut tick: impl FnMut(),
 ) -> Result<Measurement> {
     let lights = renderer.scene().light_count();
-    let mut run = Run { renderer, camera, work: Work::Restir(settings.settings(lights)), clock: Clock::Gpu };
+    let work = Work::Restir(settings.settings(lights));
+    let mut run = Run { renderer, camera, work, primary: settings.primary, clock: Clock::Gpu };
     let mut point = Measurement { settings: settings.clone(), ..Measurement::default() };
     let mut times = Timed::default();
     let mut frames = Vec::new();
@@ -206,6 +207,7 @@ struct Run<'a> {
     renderer: &'a mut Renderer,
     camera: Camera,
     work: Work,
+    primary: Primary,
     clock: Clock,
 }
 
@@ -213,7 +215,8 @@ impl Run<'_> {
     /// One frame's steps and ms.
     fn frame(&mut self, seed: u32) -> Result<(StepTimes, f64)> {
         let start = Instant::now();
-        let options = FrameOptions { work: self.work, seed, exposure: 1.0, background: Vec3::ZERO };
+        let (work, primary) = (self.work, self.primary);
+        let options = FrameOptions { work, primary, seed, exposure: 1.0, background: Vec3::ZERO };
         let steps = self.renderer.render(self.camera, &options)?.unwrap_or_else(|| {
             self.clock = Clock::Wall;
             vec![("frame", start.elapsed().as_secs_f64() * 1e3)]

@@ -8,7 +8,7 @@
 use super::plan::TruthPlan;
 use crate::error::Result;
 use crate::frame::renderer::{FrameOptions, Renderer};
-use crate::frame::schedule::Work;
+use crate::frame::schedule::{Primary, Work};
 use crate::measure::mean::Mean;
 use crate::measure::metrics::rel_mse_of_errors;
 use glam::{UVec2, Vec3};
@@ -57,6 +57,8 @@ pub struct Lighting {
     /// Nothing has an extent: no triangles, no environment.
     pub points_only: bool,
     pub features: u32,
+    /// As in the pictures that are judged: pixels on edges see the same side.
+    pub primary: Primary,
 }
 
 impl Lighting {
@@ -88,7 +90,8 @@ pub fn converge(
     renderer.restart();
     while error > wanted && mean.count() < most {
         for _ in mean.count()..next_look(mean.count(), error / wanted).min(most) {
-            let options = FrameOptions { work, seed, exposure: 1.0, background: Vec3::ZERO };
+            let primary = lighting.primary;
+            let options = FrameOptions { work, primary, seed, exposure: 1.0, background: Vec3::ZERO };
             renderer.render(camera, &options)?;
             mean.add(&renderer.radiance()?);
             tick();

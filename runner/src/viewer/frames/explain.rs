@@ -1,6 +1,6 @@
 //! One pixel of the next frame, replayed.
 
-use super::{Frames, camera, options};
+use super::{Frames, camera};
 use crate::error::{Error, Result};
 use crate::explain::{World, next_frame};
 use crate::frame::recorder::FrameOptions;
@@ -29,7 +29,7 @@ impl Frames {
             return Err(Error::Usage("this pixel shows the reference, which resamples nothing".into()));
         }
         let side = usize::from(right && state.split == Split::Settings);
-        let options = options(self.settings(&state.settings[side]), self.exposure(state));
+        let options = self.options(&state.settings[side], self.exposure(state));
         Ok(Question { pixel, camera: camera(state, self.size()), options, right: side == 1 })
     }
 

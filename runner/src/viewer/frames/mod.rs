@@ -17,10 +17,9 @@ use crate::exposure;
 use crate::frame::history::History;
 use crate::frame::pass::BufferId;
 use crate::frame::passes;
-use crate::frame::rays;
 use crate::frame::recorder::{FrameOptions, Recorder};
 use crate::frame::renderer::MAX_TIMESTAMPS;
-use crate::frame::schedule::Work;
+use crate::frame::schedule::{Primary, Work};
 use crate::gpu_scene::GpuScene;
 use crate::scene::animation::Pose;
 use crate::scene::{SceneCamera, SceneDescription};
@@ -65,8 +64,8 @@ struct Slot {
     count: Option<u32>,
 }
 
-/// Camera, time of the scene, and how often the user has said "again".
-type Seen = (Camera, Option<f64>, u32);
+/// Camera, time of the scene, how often the user has said "again", and how surfaces are found.
+type Seen = (Camera, Option<f64>, u32, Primary);
 
 /// What the first frame of a scene is made with.
 pub struct First {
@@ -146,7 +145,7 @@ impl Frames {
         self.move_scene()?;
         let view = &first.camera;
         let camera = Camera::new(view.position, view.forward, view.up, view.fov_y, first.size);
-        let options = options(self.settings(&first.settings), 1.0);
+        let options = self.options(&first.settings, 1.0);
         let Frames { device, recorder, left, slots, .. } = self;
         let Some(slot) = slots.first_mut() else { return Ok(()) };
         device.submit_once("first frame", |cmd| {
@@ -166,6 +165,12 @@ impl Frames {
     /// `file` for this scene.
     fn settings(&self, file: &SettingsFile) -> Settings {
         file.settings(self.light_count())
+    }
+
+    /// A frame of `file` for this scene. One seed: frames differ by their index.
+    fn options(&self, file: &SettingsFile, exposure: f32) -> FrameOptions {
+        let (work, primary) = (Work::Restir(self.settings(file)), file.primary);
+        FrameOptions { work, primary, seed: 0, exposure, background: Vec3::ZERO }
     }
 
     /// The next frame shows the scene as it is at `time`, s; none: as it is.
@@ -198,7 +203,7 @@ impl Frames {
             [Some(&self.left), self.right.as_ref()].into_iter().flatten().map(|side| &side.history);
         let histories = histories.chain(reference.map(|reference| &reference.history));
         let settings = self.settings(&state.settings[0]);
-        let rays = rays::most(&settings, self.recorder.scene().features());
+        let rays = self.recorder.most_rays(&settings, state.settings[0].primary);
         FrameFacts {
             counts: (self.left.count, reference.map(|reference| reference.count)),
             picture_bytes: histories.map(History::bytes).sum(),
@@ -269,7 +274,7 @@ impl Frames {
 
     /// Means and reference start again where the camera has moved or the user has said so.
     fn follow(&mut self, state: &State, camera: Camera) {
-        let seen = Some((camera, self.posed, state.restarts));
+        let seen = Some((camera, self.posed, state.restarts, state.settings[0].primary));
         if self.seen != seen {
             self.seen = seen;
             self.left.count = 0;
@@ -293,12 +298,12 @@ impl Frames {
         self.move_scene()?;
         let exposure = self.exposure(state);
         let budget = reference_rays(self.device.info().kind);
-        let [first, second] = [0, 1].map(|side| options(self.settings(&state.settings[side]), exposure));
+        let [first, second] = [0, 1].map(|side| self.options(&state.settings[side], exposure));
 
         let Frames { device, recorder, left, right, reference, slots, radius, .. } = self;
         let slot = &mut slots[slot];
         if let Some(reference) = reference {
-            reference.record(cmd, recorder, camera, exposure, budget, &mut slot.reference)?;
+            reference.record(cmd, recorder, camera, &first, budget, &mut slot.reference)?;
         }
         let truth = reference.as_ref().map(|reference| &reference.history);
         recorder.record(cmd, &mut left.history, camera, &first, &mut slot.left)?;
@@ -358,11 +363,6 @@ impl Frames {
     pub fn exposure(&self, state: &State) -> f32 {
         self.exposure * state.stops.exp2()
     }
-}
-
-/// A frame that resamples. One seed: frames differ by their index.
-fn options(settings: Settings, exposure: f32) -> FrameOptions {
-    FrameOptions { work: Work::Restir(settings), seed: 0, exposure, background: Vec3::ZERO }
 }
 
 /// Rays that the reference may add to a frame, by the kind of device.
