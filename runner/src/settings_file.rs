@@ -51,6 +51,9 @@ pub struct SettingsFile {
     pub normal_threshold: f64,
     /// Draw candidates from presampled light tiles.
     pub tiles: Tiles,
+    /// Unbiased spatial reuse in pairs.
+    pub pairs: bool,
+    pub experiment: u32,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
@@ -100,6 +103,8 @@ impl From<&Settings> for SettingsFile {
             reservoirs,
             mode,
             tiles,
+            pairs,
+            experiment,
         } = settings;
         SettingsFile {
             mode: if mode == mode::UNBIASED { Mode::Unbiased } else { Mode::Biased },
@@ -116,6 +121,8 @@ impl From<&Settings> for SettingsFile {
             depth_threshold,
             normal_threshold: degrees(normal_threshold),
             tiles: if tiles != 0 { Tiles::On } else { Tiles::Off },
+            pairs: pairs != 0,
+            experiment,
         }
     }
 }
@@ -205,6 +212,8 @@ impl SettingsFile {
                 Mode::Unbiased => mode::UNBIASED,
             },
             tiles: tiles.into(),
+            pairs: self.pairs.into(),
+            experiment: self.experiment,
         }
     }
 }

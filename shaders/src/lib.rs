@@ -10,6 +10,8 @@ pub mod gbuffer;
 pub mod hit;
 pub mod initial;
 pub mod initial_tiled;
+pub mod pair_merge;
+pub mod pair_targets;
 pub mod presample;
 pub mod reference;
 pub mod shade;

@@ -39,6 +39,9 @@ pub struct Settings {
     /// 1: candidates come from presampled tiles ([`crate::light::tile`]). Faster with many lights; neighboring pixels share
     /// candidates. No bias.
     pub tiles: u32,
+    /// 1: unbiased spatial reuse in pairs ([`crate::resampling::pairs`]).
+    pub pairs: u32,
+    pub experiment: u32,
 }
 
 /// How reused reservoirs are weighted.
@@ -89,6 +92,8 @@ impl Default for Settings {
             reservoirs: 1,
             mode: mode::UNBIASED,
             tiles: 0,
+            pairs: 0,
+            experiment: 0,
         }
     }
 }

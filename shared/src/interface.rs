@@ -101,6 +101,7 @@ pub mod frame_binding {
     /// Of the floors: rays to trace again, and whether each met anything.
     pub const RAYS: u32 = 13;
     pub const HITS: u32 = 14;
+    pub const PAIR_TARGETS: u32 = 15;
 }
 
 /// Descriptor set 2: the scene as it was in the previous frame, for passes that ask for it.

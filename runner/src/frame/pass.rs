@@ -38,6 +38,8 @@ pub enum Role {
     /// Of the floors.
     Rays,
     Hits,
+    /// Lies in the history, which is no longer needed when neighbors are reused.
+    PairTargets,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -116,6 +118,7 @@ impl Role {
             Role::Statistics => frame_binding::STATISTICS,
             Role::Rays => frame_binding::RAYS,
             Role::Hits => frame_binding::HITS,
+            Role::PairTargets => frame_binding::PAIR_TARGETS,
         }
     }
 }

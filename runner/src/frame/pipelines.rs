@@ -187,7 +187,7 @@ impl PassPipeline {
 /// The layout of set 1: constants, then a buffer for each role.
 fn frame_layout(device: &Device) -> Result<SetLayout> {
     let stages = vk::ShaderStageFlags::RAYGEN_KHR | vk::ShaderStageFlags::COMPUTE;
-    const ROLES: [Role; 14] = [
+    const ROLES: [Role; 15] = [
         Role::GBuffer,
         Role::PreviousGBuffer,
         Role::ReservoirsIn,
@@ -202,6 +202,7 @@ fn frame_layout(device: &Device) -> Result<SetLayout> {
         Role::Statistics,
         Role::Rays,
         Role::Hits,
+        Role::PairTargets,
     ];
     let mut bindings =
         vec![Binding::one(frame_binding::CONSTANTS, vk::DescriptorType::UNIFORM_BUFFER, stages)];

@@ -25,6 +25,7 @@ fn of_step(step: &Step, settings: &Settings, features: u32) -> u64 {
         "temporal_unbiased" | "temporal_unbiased_moving" | "spatial_unbiased" => {
             2 * u64::from(settings.visibility_is_known())
         }
+        "pair_targets" => u64::from(settings.visibility_is_known()),
         "shade" => u64::from(settings.reservoirs) * u64::from(settings.shading_needs_rays(features)),
         "reference" => u64::from(step.constants.light_count),
         _ => 1,

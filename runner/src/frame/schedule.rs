@@ -2,7 +2,7 @@
 
 use super::pass::{BufferId, Pass, Role, Step};
 use super::passes::{
-    gbuffer, initial, initial_tiled, presample, reference, shade, spatial, spatial_unbiased, temporal,
+    gbuffer, initial, initial_tiled, pair_merge, pair_targets, presample, reference, shade, spatial, spatial_unbiased, temporal,
     temporal_moving, temporal_unbiased, temporal_unbiased_moving, tonemap,
 };
 use shared::frame::{Settings, mode};
@@ -113,7 +113,13 @@ impl Frame {
             for iteration in 0..settings.spatial_iterations {
                 self.input = self.output;
                 self.output = self.rotation.other(1 - iteration as usize % 2);
-                self.push(spatial, PassConstants { iteration, ..Default::default() });
+                let constants = PassConstants { iteration, ..Default::default() };
+                if settings.pairs != 0 && settings.mode == mode::UNBIASED {
+                    self.push(&pair_targets::PASS, constants);
+                    self.push(&pair_merge::PASS, constants);
+                } else {
+                    self.push(spatial, constants);
+                }
             }
         }
         self.input = self.output;
@@ -148,6 +154,7 @@ impl Frame {
             Role::Statistics => BufferId::Statistics,
             Role::Rays => BufferId::Rays,
             Role::Hits => BufferId::Hits,
+            Role::PairTargets => BufferId::Reservoirs(self.rotation.history),
         }
     }
 }

@@ -197,6 +197,16 @@ pub static TILES: Knob = Knob {
     kind: Kind::Tiles,
 };
 
+pub static PAIRS: Knob = Knob {
+    name: "Pairs",
+    unit: "on or off",
+    meaning: "Unbiased spatial reuse between pixels that chose each other.",
+    higher: "one ray a pixel and pass; faster",
+    lower: "several neighbors a pass, two rays",
+    bias: "none; acts in unbiased mode only",
+    kind: Kind::Switch(|s| &mut s.pairs),
+};
+
 /// A name is one knob's.
 impl PartialEq for Knob {
     fn eq(&self, other: &Knob) -> bool {

@@ -36,12 +36,44 @@ fn next_neighbor(
     pixel: UVec2,
     rng: &mut Rng,
 ) -> (Option<UVec2>, [f32; 2]) {
-    let (place, numbers) = draw_neighbor(frame, pixel, rng);
-    let similar = place.filter(|&place| {
-        let texel = pixels.gbuffer[frame.pixel_index(place) as usize];
-        is_similar(&frame.settings, surface.distance, surface.normal, &texel)
-    });
-    (similar, numbers)
+    let tries = if frame.settings.experiment & 16 != 0 { 3 } else { 1 };
+    let mut result = (None, [0.0; 2]);
+    let mut i = 0;
+    while i < tries {
+        let (place, numbers) = draw_neighbor(frame, pixel, rng);
+        if let Some(place) = place && result.0.is_none() {
+            let texel = pixels.gbuffer[frame.pixel_index(place) as usize];
+            if is_similar(&frame.settings, surface.distance, surface.normal, &texel) {
+                result = (Some(place), numbers);
+            }
+        }
+        i += 1;
+    }
+    result
+}
+
+fn unboiled(frame: &FrameConstants, pixels: Pixels<'_>, pixel: UVec2, lane: u32) -> StoredReservoir {
+    let mut own = pixels.reservoirs[reservoir_index(frame, pixel, lane) as usize];
+    let multiplier = (frame.settings.experiment >> 8) as f32;
+    if multiplier > 0.0 && own.contribution_weight > 0.0 {
+        let corner = (pixel / 8) * 8;
+        let (mut sum, mut count, mut i) = (0.0, 0.0, 0);
+        while i < 64 {
+            let at = corner + UVec2::new(i % 8, i / 8);
+            if at.cmplt(frame.size).all() {
+                let weight = pixels.reservoirs[reservoir_index(frame, at, lane) as usize].contribution_weight;
+                if weight > 0.0 {
+                    sum += weight;
+                    count += 1.0;
+                }
+            }
+            i += 1;
+        }
+        if own.contribution_weight * count > multiplier * sum {
+            own = StoredReservoir::default();
+        }
+    }
+    own
 }
 
 /// Biased spatial reuse, 1/M (Bitterli et al. 2020, Alg. 4): the reservoir of `pixel` merged with those of
@@ -55,13 +87,13 @@ pub fn biased(
     lane: u32,
     rng: &mut Rng,
 ) -> StoredReservoir {
-    let canonical = pixels.reservoirs[reservoir_index(frame, pixel, lane) as usize];
+    let canonical = unboiled(frame, pixels, pixel, lane);
     let mut merged = Reservoir::default();
     merged.merge(canonical, target_of(surface, lights, canonical), rng.next_f32());
     for _ in 0..frame.settings.neighbors {
         let (place, [u, _]) = next_neighbor(frame, surface, pixels, pixel, rng);
         if let Some(place) = place {
-            let neighbor = pixels.reservoirs[reservoir_index(frame, place, lane) as usize];
+            let neighbor = unboiled(frame, pixels, place, lane);
             merged.merge(neighbor, target_of(surface, lights, neighbor), u);
         }
     }

@@ -53,6 +53,11 @@ pub struct KnobArgs {
     pub tiles: bool,
     #[arg(long, overrides_with = "tiles")]
     pub no_tiles: bool,
+    /// Unbiased spatial reuse in pairs of pixels.
+    #[arg(long, overrides_with = "no_pairs")]
+    pub pairs: bool,
+    #[arg(long, overrides_with = "pairs")]
+    pub no_pairs: bool,
     /// How reused reservoirs are weighted [default: unbiased].
     #[arg(long, value_enum)]
     pub mode: Option<Mode>,
@@ -82,6 +87,8 @@ impl KnobArgs {
                 (_, true) => Tiles::Off,
                 _ => file.tiles,
             },
+            pairs: switch(self.pairs, self.no_pairs, file.pairs),
+            experiment: file.experiment,
         };
         document.check().map_err(Error::Usage)?;
         Ok(document)

@@ -7,6 +7,8 @@ pub mod floor_shadow;
 pub mod gbuffer;
 pub mod initial;
 pub mod initial_tiled;
+pub mod pair_merge;
+pub mod pair_targets;
 pub mod presample;
 pub mod reference;
 pub mod shade;
@@ -25,7 +27,7 @@ use super::pass::Pass;
 /// All passes. A frame takes either the biased or the unbiased pair of reuse passes, the temporal one `_moving` where something
 /// moved; `reference` stands in for all from `initial` to `shade`. Those after `tonemap` follow where somebody asks for them: three are
 /// the viewer's, three measure floors.
-pub const ALL: [&Pass; 19] = [
+pub const ALL: [&Pass; 21] = [
     &gbuffer::PASS,
     &initial::PASS,
     &presample::PASS,
@@ -36,6 +38,8 @@ pub const ALL: [&Pass; 19] = [
     &temporal_unbiased::PASS,
     &temporal_unbiased_moving::PASS,
     &spatial_unbiased::PASS,
+    &pair_targets::PASS,
+    &pair_merge::PASS,
     &shade::PASS,
     &reference::PASS,
     &tonemap::PASS,
