@@ -41,7 +41,7 @@ fn square_of(settings: &Settings) -> u32 {
 }
 
 fn numbers(frame: &FrameConstants, place: UVec2, repetition: u32) -> UVec4 {
-    Rng::new(place, frame.index, frame.seed, Stream::Pairs, repetition).next_u32x4()
+    Rng::new(place, frame.index, frame.seed, Stream::Pairs, repetition).next_u32x4() >> 16
 }
 
 /// The partner of `pixel`, whose partner is `pixel`; none outside the image and on itself. `repetition`: of the reservoir and
@@ -51,13 +51,13 @@ fn numbers(frame: &FrameConstants, place: UVec2, repetition: u32) -> UVec4 {
 /// of a cell's lead to one other cell, and the two cells draw the lowest bits.
 pub fn partner_of(frame: &FrameConstants, pixel: UVec2, repetition: u32) -> Option<UVec2> {
     let square = square_of(&frame.settings);
-    let random = numbers(frame, UVec2::MAX, repetition);
+    let random = numbers(frame, UVec2::MAX, 4 * repetition);
     let shift = UVec2::new(random.x, random.y) & (square - 1);
     let place = pixel + shift;
-    let random = numbers(frame, place / square, repetition ^ 0x8000_0000);
+    let random = numbers(frame, place / square, 4 * repetition + 1);
     let far = UVec2::new(random.x, random.y) & (square - CELL);
     let cell = (place / CELL).min((place ^ far) / CELL);
-    let random = numbers(frame, cell, repetition ^ 0x4000_0000);
+    let random = numbers(frame, cell, 4 * repetition + 2);
     let near = UVec2::new(random.x, random.y) & (CELL - 1);
     let other = place ^ far ^ near;
     let inside = other.cmpge(shift).all() && (other - shift).cmplt(frame.size).all();
@@ -84,7 +84,7 @@ pub fn similar_partner(
     if first.is_some() || frame.settings.experiment & 4 == 0 {
         return first;
     }
-    let second = partner_if_similar(frame, gbuffer, pixel, repetition ^ 0x2000_0000)?;
+    let second = partner_if_similar(frame, gbuffer, pixel, repetition + 1024)?;
     if partner_if_similar(frame, gbuffer, second, repetition).is_some() { None } else { Some(second) }
 }
 

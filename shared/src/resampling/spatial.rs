@@ -167,7 +167,10 @@ pub fn cross(
     place: UVec2,
     lane: u32,
 ) -> CrossProposal {
-    let neighbor = pixels.reservoirs[reservoir_index(frame, place, lane) as usize];
+    let mut neighbor = pixels.reservoirs[reservoir_index(frame, place, lane) as usize];
+    if frame.settings.experiment & 32 != 0 {
+        neighbor.confidence /= frame.settings.neighbors as f32;
+    }
     let texel = pixels.gbuffer[frame.pixel_index(place) as usize];
     let there = texel.unpack(&frame.camera, place, frame.size);
     CrossProposal::new(lights, surface, canonical, &there, neighbor)
@@ -226,5 +229,5 @@ pub fn confidence_of_neighbors(
             sum += pixels.reservoirs[reservoir_index(frame, place, lane) as usize].confidence;
         }
     }
-    sum
+    if frame.settings.experiment & 32 != 0 { sum / frame.settings.neighbors as f32 } else { sum }
 }
