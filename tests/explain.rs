@@ -80,6 +80,7 @@ fn cases() -> Vec<(&'static str, Settings)> {
         ("biased, tiles", Settings { tiles: 1, ..base }),
         ("unbiased", unbiased),
         ("unbiased, tiles", Settings { tiles: 1, ..unbiased }),
+        ("unbiased, pairs", Settings { pairs: 1, ..unbiased }),
         ("unbiased, no visibility reuse", Settings { visibility_reuse: 0, ..unbiased }),
     ]
 }

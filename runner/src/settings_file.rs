@@ -51,9 +51,8 @@ pub struct SettingsFile {
     pub normal_threshold: f64,
     /// Draw candidates from presampled light tiles.
     pub tiles: Tiles,
-    /// Unbiased spatial reuse in pairs.
+    /// Merge pairs of pixels that chose each other in place of `neighbors`; acts in unbiased mode.
     pub pairs: bool,
-    pub experiment: u32,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
@@ -104,7 +103,6 @@ impl From<&Settings> for SettingsFile {
             mode,
             tiles,
             pairs,
-            experiment,
         } = settings;
         SettingsFile {
             mode: if mode == mode::UNBIASED { Mode::Unbiased } else { Mode::Biased },
@@ -122,7 +120,6 @@ impl From<&Settings> for SettingsFile {
             normal_threshold: degrees(normal_threshold),
             tiles: if tiles != 0 { Tiles::On } else { Tiles::Off },
             pairs: pairs != 0,
-            experiment,
         }
     }
 }
@@ -213,7 +210,6 @@ impl SettingsFile {
             },
             tiles: tiles.into(),
             pairs: self.pairs.into(),
-            experiment: self.experiment,
         }
     }
 }
@@ -276,6 +272,7 @@ mod tests {
             reservoirs: 2,
             mode: mode::UNBIASED,
             tiles: 1,
+            pairs: 1,
         };
         for settings in [odd, Settings::default()] {
             let text = SettingsFile::from(&settings).to_json();
@@ -313,6 +310,7 @@ mod tests {
             confidence_cap: 3.0,
             normal_threshold: 33.5,
             tiles: Tiles::Off,
+            pairs: true,
             ..SettingsFile::default()
         };
         let line = other.options(&base).join(" ");

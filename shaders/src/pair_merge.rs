@@ -1,4 +1,4 @@
-//! Pass 4 in unbiased mode with pairs, repeated, second half: merges the reservoirs of partners.
+//! Pass 4 in unbiased mode, in pairs, repeated: merges the reservoirs of partners, each of which knows how it sees the other's sample.
 
 use shared::frame::FrameConstants;
 use shared::glam::UVec3;
@@ -23,7 +23,14 @@ pub fn pair_merge(
         return;
     }
     let index = reservoir_index(frame, pixel, lane) as usize;
+    let (own, here) = (reservoirs[index], targets[index]);
+    let partner = here.index as usize;
+    if partner == index {
+        merged[index] = own;
+        return;
+    }
     let repetition = lane + frame.settings.reservoirs * constants.iteration;
     let mut rng = Rng::new(pixel, frame.index, frame.seed, Stream::Spatial, repetition);
-    merged[index] = pairs::merge(frame, reservoirs, targets, pixel, lane, &mut rng);
+    let (both, seen) = ([own, reservoirs[partner]], [here, targets[partner]]);
+    merged[index] = pairs::merge(&frame.settings, both, seen, &mut rng);
 }

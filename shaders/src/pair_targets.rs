@@ -1,5 +1,4 @@
-//! Pass 4 in unbiased mode with pairs, repeated, first half: what each pixel makes of its partner's sample, with at most one shadow
-//! ray.
+//! Pass 4 in unbiased mode, in pairs, repeated: what each pixel makes of its partner's sample, with at most one shadow ray.
 
 use crate::trace::trace_shadow;
 use shared::alias_table::AliasEntry;
@@ -30,12 +29,7 @@ pub fn pair_targets(
     #[spirv(ray_payload)] payload: &mut ShadowPayload,
 ) {
     let (pixel, lane) = (launch.truncate(), launch.z);
-    let index = reservoir_index(frame, pixel, lane) as usize;
     let texel = gbuffer[frame.pixel_index(pixel) as usize];
-    if texel.is_empty() {
-        targets[index] = PairTargets::ALONE;
-        return;
-    }
     let surface = texel.unpack(&frame.camera, pixel, frame.size);
     let lights = LightTable { lights: Lights { lights, features }, alias };
     let pixels = Pixels { gbuffer, reservoirs };
@@ -44,5 +38,5 @@ pub fn pair_targets(
     let visible = proposal.is_certain()
         || !frame.settings.visibility_is_known()
         || trace_shadow(tlas, features, proposal.ray, SURE_HITS_ONLY, payload);
-    targets[index] = pairs::accept(proposal, visible);
+    targets[reservoir_index(frame, pixel, lane) as usize] = pairs::accept(proposal, visible);
 }

@@ -2,8 +2,8 @@
 
 use super::pass::{BufferId, Pass, Role, Step};
 use super::passes::{
-    gbuffer, initial, initial_tiled, pair_merge, pair_targets, presample, reference, shade, spatial, spatial_unbiased, temporal,
-    temporal_moving, temporal_unbiased, temporal_unbiased_moving, tonemap,
+    gbuffer, initial, initial_tiled, pair_merge, pair_targets, presample, reference, shade, spatial,
+    spatial_unbiased, temporal, temporal_moving, temporal_unbiased, temporal_unbiased_moving, tonemap,
 };
 use shared::frame::{Settings, mode};
 use shared::interface::PassConstants;
@@ -114,7 +114,7 @@ impl Frame {
                 self.input = self.output;
                 self.output = self.rotation.other(1 - iteration as usize % 2);
                 let constants = PassConstants { iteration, ..Default::default() };
-                if settings.pairs != 0 && settings.mode == mode::UNBIASED {
+                if settings.in_pairs() {
                     self.push(&pair_targets::PASS, constants);
                     self.push(&pair_merge::PASS, constants);
                 } else {
@@ -169,9 +169,12 @@ mod tests {
     #[test]
     fn every_pass_reads_what_the_pass_before_it_wrote() {
         for iterations in 1..=4 {
-            for (temporal, spatial) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+            for (temporal, spatial, pairs) in
+                [(0, 0, 0), (0, 1, 0), (1, 0, 0), (1, 1, 0), (0, 1, 1), (1, 1, 1)]
+            {
+                let spatial_iterations = iterations;
                 let settings =
-                    Settings { temporal, spatial, spatial_iterations: iterations, ..Default::default() };
+                    Settings { temporal, spatial, pairs, spatial_iterations, ..Default::default() };
                 follow(&Work::Restir(settings));
             }
         }
@@ -192,6 +195,9 @@ mod tests {
                         }
                         Role::PreviousGBuffer if frame > 0 => assert_eq!(found, Some((frame - 1, "gbuffer"))),
                         Role::ReservoirsIn => assert_eq!(found, Some((frame, last_reservoirs))),
+                        Role::PairTargets if access == Access::Read => {
+                            assert_eq!(found, Some((frame, "pair_targets")))
+                        }
                         Role::ReservoirsHistory if frame > 0 => {
                             assert_eq!(found.map(|f| f.0), Some(frame - 1), "history is of the frame before");
                         }

@@ -55,6 +55,7 @@ pub static ALL: &[&Knob] = &[
     &CONFIDENCE_CAP,
     &BSDF_CANDIDATES,
     &TILES,
+    &PAIRS,
 ];
 
 pub static CANDIDATES: Knob = Knob {
@@ -200,9 +201,9 @@ pub static TILES: Knob = Knob {
 pub static PAIRS: Knob = Knob {
     name: "Pairs",
     unit: "on or off",
-    meaning: "Unbiased spatial reuse between pixels that chose each other.",
-    higher: "one ray a pixel and pass; faster",
-    lower: "several neighbors a pass, two rays",
+    meaning: "Spatial passes merge pairs of pixels that chose each other.",
+    higher: "one ray a pixel and pass",
+    lower: "several neighbors, two rays",
     bias: "none; acts in unbiased mode only",
     kind: Kind::Switch(|s| &mut s.pairs),
 };

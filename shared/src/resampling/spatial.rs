@@ -2,7 +2,7 @@
 
 use super::pairwise::{Pairwise, Weighed};
 use super::{CrossProposal, Pixels, initial, is_similar, reservoir_index, target_of};
-use crate::frame::FrameConstants;
+use crate::frame::{FrameConstants, Settings};
 use crate::light::LightTable;
 use crate::reservoir::{Reservoir, StoredReservoir};
 use crate::rng::{Rng, unit_f32};
@@ -36,44 +36,12 @@ fn next_neighbor(
     pixel: UVec2,
     rng: &mut Rng,
 ) -> (Option<UVec2>, [f32; 2]) {
-    let tries = if frame.settings.experiment & 16 != 0 { 3 } else { 1 };
-    let mut result = (None, [0.0; 2]);
-    let mut i = 0;
-    while i < tries {
-        let (place, numbers) = draw_neighbor(frame, pixel, rng);
-        if let Some(place) = place && result.0.is_none() {
-            let texel = pixels.gbuffer[frame.pixel_index(place) as usize];
-            if is_similar(&frame.settings, surface.distance, surface.normal, &texel) {
-                result = (Some(place), numbers);
-            }
-        }
-        i += 1;
-    }
-    result
-}
-
-fn unboiled(frame: &FrameConstants, pixels: Pixels<'_>, pixel: UVec2, lane: u32) -> StoredReservoir {
-    let mut own = pixels.reservoirs[reservoir_index(frame, pixel, lane) as usize];
-    let multiplier = (frame.settings.experiment >> 8) as f32;
-    if multiplier > 0.0 && own.contribution_weight > 0.0 {
-        let corner = (pixel / 8) * 8;
-        let (mut sum, mut count, mut i) = (0.0, 0.0, 0);
-        while i < 64 {
-            let at = corner + UVec2::new(i % 8, i / 8);
-            if at.cmplt(frame.size).all() {
-                let weight = pixels.reservoirs[reservoir_index(frame, at, lane) as usize].contribution_weight;
-                if weight > 0.0 {
-                    sum += weight;
-                    count += 1.0;
-                }
-            }
-            i += 1;
-        }
-        if own.contribution_weight * count > multiplier * sum {
-            own = StoredReservoir::default();
-        }
-    }
-    own
+    let (place, numbers) = draw_neighbor(frame, pixel, rng);
+    let similar = place.filter(|&place| {
+        let texel = pixels.gbuffer[frame.pixel_index(place) as usize];
+        is_similar(&frame.settings, surface.distance, surface.normal, &texel)
+    });
+    (similar, numbers)
 }
 
 /// Biased spatial reuse, 1/M (Bitterli et al. 2020, Alg. 4): the reservoir of `pixel` merged with those of
@@ -87,13 +55,13 @@ pub fn biased(
     lane: u32,
     rng: &mut Rng,
 ) -> StoredReservoir {
-    let canonical = unboiled(frame, pixels, pixel, lane);
+    let canonical = pixels.reservoirs[reservoir_index(frame, pixel, lane) as usize];
     let mut merged = Reservoir::default();
     merged.merge(canonical, target_of(surface, lights, canonical), rng.next_f32());
     for _ in 0..frame.settings.neighbors {
         let (place, [u, _]) = next_neighbor(frame, surface, pixels, pixel, rng);
         if let Some(place) = place {
-            let neighbor = unboiled(frame, pixels, place, lane);
+            let neighbor = pixels.reservoirs[reservoir_index(frame, place, lane) as usize];
             merged.merge(neighbor, target_of(surface, lights, neighbor), u);
         }
     }
@@ -112,8 +80,15 @@ pub struct Proposal {
 
 impl Proposal {
     /// Of one reservoir, before its neighbors are added. `others`: their confidences.
-    pub fn new(surface: &Surface, lights: LightTable<'_>, canonical: StoredReservoir, others: f32) -> Self {
-        let merge = Pairwise::new(canonical, target_of(surface, lights, canonical), others);
+    pub fn new(
+        settings: &Settings,
+        surface: &Surface,
+        lights: LightTable<'_>,
+        canonical: StoredReservoir,
+        others: f32,
+    ) -> Self {
+        let target = target_of(surface, lights, canonical);
+        let merge = Pairwise::new(canonical, target, others, settings.neighbor_trust());
         Proposal { merge, doubt: 0.0, ray: ShadowRay::default() }
     }
 
@@ -167,10 +142,7 @@ pub fn cross(
     place: UVec2,
     lane: u32,
 ) -> CrossProposal {
-    let mut neighbor = pixels.reservoirs[reservoir_index(frame, place, lane) as usize];
-    if frame.settings.experiment & 32 != 0 {
-        neighbor.confidence /= frame.settings.neighbors as f32;
-    }
+    let neighbor = pixels.reservoirs[reservoir_index(frame, place, lane) as usize];
     let texel = pixels.gbuffer[frame.pixel_index(place) as usize];
     let there = texel.unpack(&frame.camera, place, frame.size);
     CrossProposal::new(lights, surface, canonical, &there, neighbor)
@@ -191,7 +163,7 @@ pub fn propose(
 ) -> Proposal {
     let canonical = pixels.reservoirs[reservoir_index(frame, pixel, lane) as usize];
     let others = confidence_of_neighbors(frame, surface, pixels, pixel, lane, *rng);
-    let mut proposal = Proposal::new(surface, lights, canonical, others);
+    let mut proposal = Proposal::new(&frame.settings, surface, lights, canonical, others);
     for _ in 0..frame.settings.neighbors {
         let (place, [u, lot]) = next_neighbor(frame, surface, pixels, pixel, rng);
         if let Some(place) = place {
@@ -229,5 +201,5 @@ pub fn confidence_of_neighbors(
             sum += pixels.reservoirs[reservoir_index(frame, place, lane) as usize].confidence;
         }
     }
-    if frame.settings.experiment & 32 != 0 { sum / frame.settings.neighbors as f32 } else { sum }
+    sum
 }

@@ -58,26 +58,6 @@ pub(super) fn similar_at(
     if same { Some(place.pixel) } else { None }
 }
 
-fn permuted(frame: &FrameConstants, surface: &Surface, previous: Pixels<'_>, pixel: UVec2) -> UVec2 {
-    let settings = &frame.settings;
-    if settings.experiment & 8 == 0 {
-        return pixel;
-    }
-    let random = Rng::new(UVec2::MAX, frame.index, frame.seed, crate::rng::Stream::Temporal, 77).next_u32x4();
-    let shift = UVec2::new(random.x, random.y) & 3;
-    let mask = UVec2::new(random.z, random.w) & 3;
-    let other = ((pixel + shift) ^ mask) - shift;
-    if other.cmpge(frame.size).any() {
-        return pixel;
-    }
-    let texel = previous.gbuffer[frame.pixel_index(other) as usize];
-    if is_similar(settings, surface.distance, surface.normal, &texel) && is_similar_albedo(surface, &texel) {
-        other
-    } else {
-        pixel
-    }
-}
-
 /// Another material is another target function: its history is of little use. 0.25: a visibly different color.
 pub fn is_similar_albedo(surface: &Surface, previous: &GBufferTexel) -> bool {
     (surface.reflectance.diffuse - previous.diffuse()).abs().max_element() <= 0.25
@@ -108,7 +88,6 @@ pub fn biased(
     let Some(pixel) = reproject(frame, surface, previous) else {
         return current;
     };
-    let pixel = permuted(frame, surface, previous, pixel);
     let history = capped_history(frame, current, previous, pixel, lane);
     merge_biased(lights, surface, current, history, rng)
 }
@@ -137,7 +116,7 @@ pub fn propose(
     previous: Pixels<'_>,
     lane: u32,
 ) -> Option<CrossProposal> {
-    let pixel = permuted(frame, surface, previous, reproject(frame, surface, previous)?);
+    let pixel = reproject(frame, surface, previous)?;
     let history = capped_history(frame, current, previous, pixel, lane);
     let texel = previous.gbuffer[frame.pixel_index(pixel) as usize];
     let there = texel.unpack(&frame.previous_camera, pixel, frame.size);
@@ -169,5 +148,5 @@ pub fn begin(
     current: StoredReservoir,
     proposal: CrossProposal,
 ) -> Pairwise {
-    Pairwise::new(current, target_of(surface, lights, current), proposal.neighbor.confidence)
+    Pairwise::new(current, target_of(surface, lights, current), proposal.neighbor.confidence, 1.0)
 }

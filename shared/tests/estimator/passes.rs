@@ -9,6 +9,7 @@ use shared::light::tile::{TILE_SIZE, TILES, TileEntry, Tiles, presample, tile_of
 use shared::light::{LightTable, build_alias_table, kind};
 use shared::pdf::SourcePdf;
 use shared::resampling::initial::{Candidate, Glance, Techniques};
+use shared::resampling::pairs::{self, PairTargets};
 use shared::resampling::{Pixels, initial, reservoir_index, spatial, temporal};
 use shared::reservoir::{Reservoir, StoredReservoir};
 use shared::rng::{Rng, Stream};
@@ -52,6 +53,11 @@ pub enum Plant {
     SurvivorRay,
     /// Neighbors that see the sample are taken for blind, and the other way round.
     DoubtInverted,
+    /// The ray to the partner's sample, and a pair whose halves disagree about who is whose partner.
+    PartnerRay,
+    PartnersDisagree,
+    /// The partner's view of this pixel's sample is taken to be this pixel's own.
+    PartnerTarget,
     /// Reservoirs are summed, not averaged.
     Average,
     /// Light and BSDF candidates are weighed by their own densities alone: what both find counts twice.
@@ -126,7 +132,8 @@ impl<'a> Sequence<'a> {
             reservoirs = pass.temporal(reservoirs);
         }
         for iteration in 0..self.settings.spatial_iterations * self.settings.spatial {
-            reservoirs = pass.spatial(reservoirs, iteration);
+            let merge = if self.settings.in_pairs() { Pass::spatial_in_pairs } else { Pass::spatial };
+            reservoirs = merge(&pass, reservoirs, iteration);
         }
         let radiance = pass.shade(&reservoirs);
         self.history = reservoirs;
@@ -367,6 +374,44 @@ impl Pass<'_> {
             let merged = spatial::accept(surface, lights, proposal, visible, &mut rng);
             self.seen(merged, blind || self.is(Plant::SurvivorRay))
         })
+    }
+
+    fn spatial_in_pairs(&self, input: Vec<StoredReservoir>, iteration: u32) -> Vec<StoredReservoir> {
+        let settings = &self.frame.settings;
+        let pixels = Pixels { gbuffer: &self.view.gbuffer, reservoirs: &input };
+        let lanes = 0..settings.reservoirs;
+        let places = lanes.flat_map(|lane| self.sequence.world.pixels().map(move |pixel| (pixel, lane)));
+        let targets: Vec<PairTargets> = places
+            .map(|(pixel, lane)| {
+                let repetition = lane + settings.reservoirs * iteration;
+                self.pair_targets(pixels, pixel, lane, repetition)
+            })
+            .collect();
+        self.each(|pixel, lane, i| {
+            let mut rng = self.rng(pixel, Stream::Spatial, lane + settings.reservoirs * iteration);
+            let (here, partner) = (targets[i], targets[i].index as usize);
+            if partner == i {
+                return input[i];
+            }
+            let mut there = targets[partner];
+            if self.is(Plant::PartnerTarget) {
+                there.partner = here.own;
+            }
+            pairs::merge(settings, [input[i], input[partner]], [here, there], &mut rng)
+        })
+    }
+
+    fn pair_targets(&self, pixels: Pixels<'_>, pixel: UVec2, lane: u32, repetition: u32) -> PairTargets {
+        let (frame, surface) = (self.frame, self.surface(pixel));
+        // One column of pixels takes the partners of another round.
+        let strays = self.is(Plant::PartnersDisagree) && pixel.x & 1 == 1;
+        let repetition = if strays { repetition + 100 } else { repetition };
+        let proposal = pairs::propose(frame, self.lights, surface, pixels, pixel, lane, repetition);
+        let visible = proposal.is_certain()
+            || !frame.settings.visibility_is_known()
+            || self.is(Plant::PartnerRay)
+            || self.sequence.world.trace(proposal.ray);
+        pairs::accept(proposal, visible)
     }
 
     fn shade(&self, reservoirs: &[StoredReservoir]) -> Vec<Vec3> {

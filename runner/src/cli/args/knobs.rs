@@ -53,7 +53,7 @@ pub struct KnobArgs {
     pub tiles: bool,
     #[arg(long, overrides_with = "tiles")]
     pub no_tiles: bool,
-    /// Unbiased spatial reuse in pairs of pixels.
+    /// Merge pairs of pixels that chose each other in place of neighbors; acts in unbiased mode.
     #[arg(long, overrides_with = "no_pairs")]
     pub pairs: bool,
     #[arg(long, overrides_with = "pairs")]
@@ -88,7 +88,6 @@ impl KnobArgs {
                 _ => file.tiles,
             },
             pairs: switch(self.pairs, self.no_pairs, file.pairs),
-            experiment: file.experiment,
         };
         document.check().map_err(Error::Usage)?;
         Ok(document)

@@ -24,7 +24,7 @@ pub fn table(results: &Results) -> String {
 fn header(passes: &[String]) -> Vec<String> {
     let mut names: Vec<String> =
         "scene lights camera series label triangles light_table width height mode candidates bsdf_candidates visibility \
-        temporal spatial iterations neighbors radius reservoirs tiles frame_ms frame_p95_ms frame_spread_ms"
+        temporal spatial iterations neighbors radius reservoirs tiles pairs frame_ms frame_p95_ms frame_spread_ms"
             .split_whitespace()
             .map(str::to_owned)
             .collect();
@@ -63,6 +63,7 @@ fn numbers(m: &Measurement, passes: &[String]) -> Vec<String> {
         s.radius.to_string(),
         s.reservoirs.to_string(),
         word(serde_json::to_value(s.tiles)),
+        s.pairs.to_string(),
     ];
     cells.extend([m.frame.median, m.frame.p95, m.frame.spread].map(|x| x.to_string()));
     let ms =
