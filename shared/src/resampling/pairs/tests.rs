@@ -23,19 +23,17 @@ fn are_reciprocal(size: UVec2, reach: u32, partner: impl Fn(UVec2) -> Option<UVe
 /// Negative control: partners that every pixel draws for itself.
 #[test]
 fn partners_choose_each_other() {
-    for (size, radius, reach) in
-        [([64, 64], 8.0, 8), ([37, 23], 30.0, 32), ([50, 7], 4.0, 4), ([1, 1], 9.0, 16)]
-    {
-        let size = UVec2::from(size);
-        for (index, repetition) in [(0, 0), (1, 0), (7, 5)] {
+    let cases = [([64, 64], 8.0, 8), ([37, 23], 30.0, 32), ([50, 7], 4.0, 4), ([1, 1], 9.0, 16)];
+    for (size, radius, reach) in cases {
+        let (size, mut paired) = (UVec2::from(size), 0);
+        for index in 0..20 {
             let frame = frame(size, index, radius);
-            let (paired, all) = are_reciprocal(size, reach, |pixel| partner_of(&frame, pixel, repetition));
+            let (some, all) = are_reciprocal(size, reach, |pixel| partner_of(&frame, pixel, index % 3));
             assert!(all, "{size}, radius {radius}, frame {index}");
-            assert!(
-                paired * 4 >= size.x * size.y || size == UVec2::ONE,
-                "{paired} pixels of {size} have partners"
-            );
+            paired += some;
         }
+        let pixels = 20 * size.x * size.y;
+        assert!(paired * 4 >= pixels || size == UVec2::ONE, "{paired} of {pixels} have partners");
     }
     let (size, frame) = (UVec2::splat(64), frame(UVec2::splat(64), 0, 8.0));
     let alone = |pixel: UVec2| partner_of(&frame, pixel, pixel.x + 64 * pixel.y);
@@ -75,16 +73,17 @@ fn partners_lie_all_around() {
     assert!(chi2(&fixed, true).iter().all(|&c| c > LIMIT), "the planted error was not seen");
 }
 
-/// Iterations and reservoirs pair anew: two rounds agree as rarely as chance has it.
+/// Iterations and reservoirs pair anew: chance lets 1 pixel in 256 have one partner in two rounds, cell by cell.
 #[test]
 fn rounds_differ() {
     let frame = frame(UVec2::splat(64), 0, 16.0);
     let pixels = || (0..64).flat_map(|y| (0..64).map(move |x| UVec2::new(x, y)));
-    let agree = |a, b| pixels().filter(|&p| partner_of(&frame, p, a) == partner_of(&frame, p, b)).count();
+    let both = |p, a, b| partner_of(&frame, p, a).is_some_and(|one| partner_of(&frame, p, b) == Some(one));
+    let agree = |a, b| pixels().filter(|&p| both(p, a, b)).count();
     for round in 1..8 {
-        assert!(agree(0, round) < 400, "round {round}: {} of 4096", agree(0, round));
+        assert!(agree(0, round) < 200, "round {round}: {} of 4096", agree(0, round));
     }
-    assert_eq!(agree(2, 2), 4096);
+    assert!(agree(2, 2) > 2048);
 }
 
 /// Both of two pixels take each other for similar, or neither: also where a tenth of the one's distance is more than a
