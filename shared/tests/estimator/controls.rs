@@ -95,8 +95,10 @@ fn rays_left_out_are_seen() {
 
 #[test]
 fn faults_of_pairs_are_seen() {
-    let pairs = Settings { pairs: 1, spatial: 1, spatial_iterations: 1, candidates: 16, ..unbiased() };
-    for planted in [Plant::PartnerRay, Plant::PartnersDisagree, Plant::PartnerTarget] {
+    let pairs =
+        Settings { pairs: 1, spatial: 1, spatial_iterations: 4, radius: 8.0, candidates: 16, ..unbiased() };
+    for planted in [Plant::RayToPartner, Plant::RayFromPartner, Plant::PartnersDisagree, Plant::PartnerTarget]
+    {
         is_seen(planted, screened(world::points()), pairs, 1);
     }
 }

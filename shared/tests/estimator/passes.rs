@@ -53,8 +53,10 @@ pub enum Plant {
     SurvivorRay,
     /// Neighbors that see the sample are taken for blind, and the other way round.
     DoubtInverted,
-    /// The ray to the partner's sample, and a pair whose halves disagree about who is whose partner.
-    PartnerRay,
+    /// The ray to the partner's sample, where that is merged, and where the partner weighs its own by the answer.
+    RayToPartner,
+    RayFromPartner,
+    /// A pair whose halves disagree about who is whose partner.
     PartnersDisagree,
     /// The partner's view of this pixel's sample is taken to be this pixel's own.
     PartnerTarget,
@@ -379,21 +381,26 @@ impl Pass<'_> {
     fn spatial_in_pairs(&self, input: Vec<StoredReservoir>, iteration: u32) -> Vec<StoredReservoir> {
         let settings = &self.frame.settings;
         let pixels = Pixels { gbuffer: &self.view.gbuffer, reservoirs: &input };
-        let lanes = 0..settings.reservoirs;
-        let places = lanes.flat_map(|lane| self.sequence.world.pixels().map(move |pixel| (pixel, lane)));
-        let targets: Vec<PairTargets> = places
-            .map(|(pixel, lane)| {
-                let repetition = lane + settings.reservoirs * iteration;
-                self.pair_targets(pixels, pixel, lane, repetition)
-            })
-            .collect();
+        let places = || {
+            let lanes = 0..settings.reservoirs;
+            lanes.flat_map(|lane| self.sequence.world.pixels().map(move |pixel| (pixel, lane)))
+        };
+        let all = |blind| -> Vec<PairTargets> {
+            let of = |(pixel, lane)| {
+                self.pair_targets(pixels, pixel, lane, lane + settings.reservoirs * iteration, blind)
+            };
+            places().map(of).collect()
+        };
+        let blind = !settings.visibility_is_known();
+        let here = all(blind || self.is(Plant::RayToPartner));
+        let there = all(blind || self.is(Plant::RayFromPartner));
         self.each(|pixel, lane, i| {
             let mut rng = self.rng(pixel, Stream::Spatial, lane + settings.reservoirs * iteration);
-            let (here, partner) = (targets[i], targets[i].index as usize);
+            let partner = here[i].index as usize;
             if partner == i {
                 return input[i];
             }
-            let mut there = targets[partner];
+            let (here, mut there) = (here[i], there[partner]);
             if self.is(Plant::PartnerTarget) {
                 there.partner = here.own;
             }
@@ -401,16 +408,20 @@ impl Pass<'_> {
         })
     }
 
-    fn pair_targets(&self, pixels: Pixels<'_>, pixel: UVec2, lane: u32, repetition: u32) -> PairTargets {
+    fn pair_targets(
+        &self,
+        pixels: Pixels<'_>,
+        pixel: UVec2,
+        lane: u32,
+        repetition: u32,
+        blind: bool,
+    ) -> PairTargets {
         let (frame, surface) = (self.frame, self.surface(pixel));
         // One column of pixels takes the partners of another round.
         let strays = self.is(Plant::PartnersDisagree) && pixel.x & 1 == 1;
         let repetition = if strays { repetition + 100 } else { repetition };
         let proposal = pairs::propose(frame, self.lights, surface, pixels, pixel, lane, repetition);
-        let visible = proposal.is_certain()
-            || !frame.settings.visibility_is_known()
-            || self.is(Plant::PartnerRay)
-            || self.sequence.world.trace(proposal.ray);
+        let visible = blind || proposal.is_certain() || self.sequence.world.trace(proposal.ray);
         pairs::accept(proposal, visible)
     }
 
