@@ -56,8 +56,6 @@ pub enum Plant {
     /// The ray to the partner's sample, where that is merged, and where the partner weighs its own by the answer.
     RayToPartner,
     RayFromPartner,
-    /// A pair whose halves disagree about who is whose partner.
-    PartnersDisagree,
     /// The partner's view of this pixel's sample is taken to be this pixel's own.
     PartnerTarget,
     /// Reservoirs are summed, not averaged.
@@ -417,9 +415,6 @@ impl Pass<'_> {
         blind: bool,
     ) -> PairTargets {
         let (frame, surface) = (self.frame, self.surface(pixel));
-        // One column of pixels takes the partners of another round.
-        let strays = self.is(Plant::PartnersDisagree) && pixel.x & 1 == 1;
-        let repetition = if strays { repetition + 100 } else { repetition };
         let proposal = pairs::propose(frame, self.lights, surface, pixels, pixel, lane, repetition);
         let visible = blind || proposal.is_certain() || self.sequence.world.trace(proposal.ray);
         pairs::accept(proposal, visible)
