@@ -86,6 +86,7 @@ fn cases() -> Vec<(&'static str, Settings)> {
         ("biased, tiles", Settings { tiles: 1, ..base }),
         ("unbiased", unbiased),
         ("unbiased, tiles", Settings { tiles: 1, ..unbiased }),
+        ("unbiased, pairs", Settings { pairs: 1, ..unbiased }),
         ("unbiased, no visibility reuse", Settings { visibility_reuse: 0, ..unbiased }),
     ]
 }
@@ -279,7 +280,10 @@ fn no_pixel_traces_more_rays_than_announced() {
         let mut passes = Vec::new();
         for e in &explanations {
             let shading = e.shading.iter().map(|shading| ("shade", shading.rays.len()));
-            let of_pass = |p: &PassReport| (p.pass, p.rays.len() + p.glances.len());
+            // What the partner traces is told too.
+            let own =
+                |p: &PassReport| p.rays.iter().filter(|r| !r.purpose.contains("the partner to")).count();
+            let of_pass = |p: &PassReport| (p.pass, own(p) + p.glances.len());
             let rays: Vec<_> = e.passes.iter().map(of_pass).chain(shading).collect();
             let all: usize = rays.iter().map(|(_, rays)| rays).sum();
             // The eye has no ray: what it sees is drawn.

@@ -90,8 +90,8 @@ fn every_module_has_its_entry_point() {
 fn element(set: u32, binding: u32) -> Option<(&'static str, usize)> {
     use shared::{
         alias_table::AliasEntry, environment::EnvironmentTexel, geometry::*, light::Light,
-        light::tile::TileEntry, material::Material, motion::InstanceMotion, reservoir::StoredReservoir,
-        stored_ray::StoredRay, surface::GBufferTexel,
+        light::tile::TileEntry, material::Material, motion::InstanceMotion, resampling::pairs::PairTargets,
+        reservoir::StoredReservoir, stored_ray::StoredRay, surface::GBufferTexel,
     };
     Some(match (set, binding) {
         (scene::SET, scene::INSTANCES) => ("fffufffufffufffffffffffffu", size_of::<InstanceGeometry>()),
@@ -109,6 +109,7 @@ fn element(set: u32, binding: u32) -> Option<(&'static str, usize)> {
         (frame::SET, frame::RESERVOIRS_IN | frame::RESERVOIRS_OUT | frame::RESERVOIRS_HISTORY) => {
             ("uuff", size_of::<StoredReservoir>())
         }
+        (frame::SET, frame::PAIR_TARGETS) => ("ffu", size_of::<PairTargets>()),
         (frame::SET, frame::RADIANCE | frame::MEAN | frame::REFERENCE) => ("fff", 12),
         (frame::SET, frame::STATISTICS) => ("fff", 12),
         (frame::SET, frame::RAYS) => ("fffufffu", size_of::<StoredRay>()),

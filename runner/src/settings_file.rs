@@ -54,6 +54,8 @@ pub struct SettingsFile {
     pub tiles: Tiles,
     /// How a frame finds what its pixels see; no knob of the estimator, which starts from there.
     pub primary: Primary,
+    /// Merge pairs of pixels that chose each other in place of `neighbors`; acts in unbiased mode.
+    pub pairs: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
@@ -103,6 +105,7 @@ impl From<&Settings> for SettingsFile {
             reservoirs,
             mode,
             tiles,
+            pairs,
         } = settings;
         SettingsFile {
             mode: if mode == mode::UNBIASED { Mode::Unbiased } else { Mode::Biased },
@@ -120,6 +123,7 @@ impl From<&Settings> for SettingsFile {
             normal_threshold: degrees(normal_threshold),
             tiles: if tiles != 0 { Tiles::On } else { Tiles::Off },
             primary: Primary::default(),
+            pairs: pairs != 0,
         }
     }
 }
@@ -209,6 +213,7 @@ impl SettingsFile {
                 Mode::Unbiased => mode::UNBIASED,
             },
             tiles: tiles.into(),
+            pairs: self.pairs.into(),
         }
     }
 }
@@ -271,6 +276,7 @@ mod tests {
             reservoirs: 2,
             mode: mode::UNBIASED,
             tiles: 1,
+            pairs: 1,
         };
         for settings in [odd, Settings::default()] {
             let text = SettingsFile::from(&settings).to_json();
@@ -309,6 +315,7 @@ mod tests {
             normal_threshold: 33.5,
             tiles: Tiles::Off,
             primary: Primary::Rays,
+            pairs: true,
             ..SettingsFile::default()
         };
         let line = other.options(&base).join(" ");

@@ -11,6 +11,8 @@ pub mod gbuffer_raster;
 pub mod hit;
 pub mod initial;
 pub mod initial_tiled;
+pub mod pair_merge;
+pub mod pair_targets;
 pub mod presample;
 pub mod primary;
 pub mod reference;

@@ -39,6 +39,8 @@ pub struct Settings {
     /// 1: candidates come from presampled tiles ([`crate::light::tile`]). Faster with many lights; neighboring pixels share
     /// candidates. No bias.
     pub tiles: u32,
+    /// 1: unbiased spatial reuse merges pairs of pixels that chose each other ([`crate::resampling::pairs`]), not `neighbors`.
+    pub pairs: u32,
 }
 
 /// How reused reservoirs are weighted.
@@ -53,6 +55,18 @@ impl Settings {
     /// Does every reservoir between passes hold a sample that no opaque surface hides, or none?
     pub fn visibility_is_known(&self) -> bool {
         self.mode == mode::UNBIASED && self.visibility_reuse != 0
+    }
+
+    /// Are neighbors merged in pairs?
+    pub fn in_pairs(&self) -> bool {
+        self.pairs != 0 && self.mode == mode::UNBIASED
+    }
+
+    /// t of [`crate::resampling::pairwise`] for neighbors. With a history all reservoirs stand for many candidates, but neighbors'
+    /// for other targets than the pixel's own: together they count as much as that. Measured in docs/performance.md.
+    pub fn neighbor_trust(&self) -> f32 {
+        let neighbors = if self.in_pairs() { 1 } else { self.neighbors };
+        if self.temporal != 0 { 1.0 / (neighbors * self.spatial_iterations) as f32 } else { 1.0 }
     }
 
     /// BSDF candidates of each reservoir in a scene with `features`. A ray finds visible samples only, so hidden ones have to be
@@ -89,6 +103,7 @@ impl Default for Settings {
             reservoirs: 1,
             mode: mode::UNBIASED,
             tiles: 0,
+            pairs: 0,
         }
     }
 }

@@ -103,6 +103,8 @@ pub mod frame_binding {
     pub const HITS: u32 = 14;
     /// Which triangle each pixel sees, see [`crate::raster`].
     pub const VISIBILITY: u32 = 15;
+    /// See [`crate::resampling::pairs`].
+    pub const PAIR_TARGETS: u32 = 16;
 }
 
 /// Descriptor set 2: the scene as it was in the previous frame, for passes that ask for it.

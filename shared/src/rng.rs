@@ -16,6 +16,8 @@ pub enum Stream {
     Shade = 6,
     /// Entries of light tiles, and which block takes which tile.
     Tiles = 7,
+    /// Which pixels are partners.
+    Pairs = 8,
 }
 
 /// Random numbers of one pixel in one pass.

@@ -233,6 +233,12 @@ impl<'a> Witness<'a> {
                 let iteration = step.constants.iteration;
                 reports.extend(lanes.map(|lane| replay.spatial(stem, iteration, lane, &before, &after)));
             }
+            "pair_merge" => {
+                let before: Vec<_> = history.read_role(step, Role::ReservoirsIn)?;
+                let after: Vec<_> = history.read_role(step, Role::ReservoirsOut)?;
+                let iteration = step.constants.iteration;
+                reports.extend(lanes.map(|lane| replay.pair_merge(stem, iteration, lane, &before, &after)));
+            }
             "shade" | "shade_known" => {
                 let before: Vec<_> = history.read_role(step, Role::ReservoirsIn)?;
                 self.shading = Some(replay.shade(&before, self.emission, self.radiance(history)?));

@@ -117,8 +117,11 @@ impl Explanation {
 
 impl Display for PassReport {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        let iteration =
-            if self.pass.starts_with("spatial") { format!(" {}", self.iteration) } else { String::new() };
+        let iteration = if self.pass.starts_with("spatial") || self.pass.starts_with("pair") {
+            format!(" {}", self.iteration)
+        } else {
+            String::new()
+        };
         writeln!(f, "{}{iteration}, reservoir {}", self.pass, self.reservoir)?;
         if let Some(tile) = &self.tile {
             let all = self.candidates.iter().filter(|candidate| candidate.by == "tile").count();

@@ -42,6 +42,8 @@ pub enum Role {
     Hits,
     /// Which triangle each pixel sees.
     Visibility,
+    /// Lies in the history, which is no longer needed when neighbors are reused.
+    PairTargets,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -122,6 +124,7 @@ impl Role {
             Role::Rays => frame_binding::RAYS,
             Role::Hits => frame_binding::HITS,
             Role::Visibility => frame_binding::VISIBILITY,
+            Role::PairTargets => frame_binding::PAIR_TARGETS,
         }
     }
 }

@@ -252,7 +252,7 @@ pub fn draw(
 fn frame_layout(device: &Device) -> Result<SetLayout> {
     use vk::ShaderStageFlags as Shader;
     let stages = Shader::RAYGEN_KHR | Shader::COMPUTE;
-    const ROLES: [Role; 15] = [
+    const ROLES: [Role; 16] = [
         Role::GBuffer,
         Role::PreviousGBuffer,
         Role::ReservoirsIn,
@@ -268,6 +268,7 @@ fn frame_layout(device: &Device) -> Result<SetLayout> {
         Role::Rays,
         Role::Hits,
         Role::Visibility,
+        Role::PairTargets,
     ];
     let mut bindings = vec![Binding::one(
         frame_binding::CONSTANTS,

@@ -22,6 +22,8 @@ fn of_step(step: &Step, settings: &Settings, features: u32) -> u64 {
         "initial" | "initial_tiled" => {
             u64::from(settings.bsdf_candidates(features)) + u64::from(settings.visibility_reuse != 0)
         }
+        // The partner's sample.
+        "pair_targets" => u64::from(settings.visibility_is_known()),
         // The sample of the one in the place of the other, and the survivor; not asked where visibility is left to shading.
         "temporal_unbiased" | "temporal_unbiased_moving" | "spatial_unbiased" => {
             2 * u64::from(settings.visibility_is_known())
@@ -54,6 +56,7 @@ mod tests {
         assert_eq!(count(biased), (3, 3));
         assert_eq!(count(Settings { visibility_reuse: 0, reservoirs: 2, ..biased }), (3, 3));
         assert_eq!(count(unbiased), (8, 9));
+        assert_eq!(count(Settings { pairs: 1, ..unbiased }), (6, 7));
         assert_eq!(count(Settings { reservoirs: 4, temporal: 0, ..unbiased }), (21, 25));
         assert_eq!(count(Settings { tiles: 1, spatial: 0, ..unbiased }), (4, 5));
         assert_eq!(count(Settings { visibility_reuse: 0, ..unbiased }), (2, 2));

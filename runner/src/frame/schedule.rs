@@ -2,9 +2,9 @@
 
 use super::pass::{BufferId, Pass, Role, Step};
 use super::passes::{
-    gbuffer, gbuffer_raster, initial, initial_tiled, presample, reference, shade, shade_known, spatial,
-    spatial_unbiased, temporal, temporal_moving, temporal_unbiased, temporal_unbiased_moving, tonemap,
-    visibility,
+    gbuffer, gbuffer_raster, initial, initial_tiled, pair_merge, pair_targets, presample, reference, shade,
+    shade_known, spatial, spatial_unbiased, temporal, temporal_moving, temporal_unbiased,
+    temporal_unbiased_moving, tonemap, visibility,
 };
 use crate::vulkan::Device;
 use serde::{Deserialize, Serialize};
@@ -158,7 +158,13 @@ impl Frame {
             for iteration in 0..settings.spatial_iterations {
                 self.input = self.output;
                 self.output = self.rotation.other(1 - iteration as usize % 2);
-                self.push(spatial, PassConstants { iteration, ..Default::default() });
+                let constants = PassConstants { iteration, ..Default::default() };
+                if settings.in_pairs() {
+                    self.push(&pair_targets::PASS, constants);
+                    self.push(&pair_merge::PASS, constants);
+                } else {
+                    self.push(spatial, constants);
+                }
             }
         }
         self.input = self.output;
@@ -195,6 +201,7 @@ impl Frame {
             Role::Rays => BufferId::Rays,
             Role::Hits => BufferId::Hits,
             Role::Visibility => BufferId::Visibility,
+            Role::PairTargets => BufferId::Reservoirs(self.rotation.history),
         }
     }
 }
@@ -209,9 +216,12 @@ mod tests {
     #[test]
     fn every_pass_reads_what_the_pass_before_it_wrote() {
         for iterations in 1..=4 {
-            for (temporal, spatial) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+            for (temporal, spatial, pairs) in
+                [(0, 0, 0), (0, 1, 0), (1, 0, 0), (1, 1, 0), (0, 1, 1), (1, 1, 1)]
+            {
+                let spatial_iterations = iterations;
                 let settings =
-                    Settings { temporal, spatial, spatial_iterations: iterations, ..Default::default() };
+                    Settings { temporal, spatial, pairs, spatial_iterations, ..Default::default() };
                 follow(&Work::Restir(settings), true, "gbuffer_raster");
                 follow(&Work::Restir(settings), false, "gbuffer");
             }
@@ -237,6 +247,9 @@ mod tests {
                             assert_eq!(found, Some((frame, "visibility")))
                         }
                         Role::ReservoirsIn => assert_eq!(found, Some((frame, last_reservoirs))),
+                        Role::PairTargets if access == Access::Read => {
+                            assert_eq!(found, Some((frame, "pair_targets")))
+                        }
                         Role::ReservoirsHistory if frame > 0 => {
                             assert_eq!(found.map(|f| f.0), Some(frame - 1), "history is of the frame before");
                         }

@@ -57,6 +57,7 @@ pub static ALL: &[&Knob] = &[
     &CONFIDENCE_CAP,
     &BSDF_CANDIDATES,
     &TILES,
+    &PAIRS,
     &PRIMARY,
 ];
 
@@ -198,6 +199,16 @@ pub static TILES: Knob = Knob {
     lower: "each pixel draws from all lights",
     bias: "none; neighboring pixels share samples",
     kind: Kind::Tiles,
+};
+
+pub static PAIRS: Knob = Knob {
+    name: "Pairs",
+    unit: "on or off",
+    meaning: "Spatial passes merge pairs of pixels that chose each other.",
+    higher: "one ray a pixel and pass",
+    lower: "several neighbors, two rays",
+    bias: "none; acts in unbiased mode only",
+    kind: Kind::Switch(|s| &mut s.pairs),
 };
 
 pub static PRIMARY: Knob = Knob {

@@ -2,6 +2,7 @@
 
 pub mod initial;
 pub mod moving;
+pub mod pairs;
 pub mod pairwise;
 pub mod spatial;
 pub mod temporal;

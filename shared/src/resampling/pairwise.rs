@@ -1,7 +1,7 @@
 //! Defensive pairwise MIS: merges reservoirs of different pixels without bias, at a cost linear in their number.
 //!
-//! With confidences c, canonical reservoir 0, others i = 1..k, S = Σ_{i>0} c_i and T = c_0 + S (Wyman et al. 2023, "A Gentle
-//! Introduction to ReSTIR", generalized from Bitterli 2022):
+//! With canonical reservoir 0, others i = 1..k, their confidences c (those of the others times a trust t), S = Σ_{i>0} c_i and
+//! T = c_0 + S (Wyman et al. 2023, "A Gentle Introduction to ReSTIR", generalized from Bitterli 2022):
 //!
 //! ```text
 //! m_i(y) = c_i/T · S p̂_i(y) / (S p̂_i(y) + c_0 p̂_0(y))
@@ -25,6 +25,8 @@ pub struct Pairwise {
     /// S and T.
     others: f32,
     total: f32,
+    /// t: what the confidence of others counts beside the canonical one's.
+    trust: f32,
     merged: Reservoir,
 }
 
@@ -51,8 +53,9 @@ pub struct Weighed {
 }
 
 impl Pairwise {
-    /// `others`: S, the confidences of all reservoirs that will be added.
-    pub fn new(canonical: StoredReservoir, canonical_target: f32, others: f32) -> Self {
+    /// `others`: the confidences of all reservoirs that will be added. `trust`: t.
+    pub fn new(canonical: StoredReservoir, canonical_target: f32, others: f32, trust: f32) -> Self {
+        let others = trust * others;
         let total = canonical.confidence + others;
         Pairwise {
             canonical,
@@ -60,13 +63,14 @@ impl Pairwise {
             canonical_mis: safe_ratio(canonical.confidence, total),
             others,
             total,
+            trust,
             merged: Reservoir::default(),
         }
     }
 
     /// Adds the survivor of another pixel. `u` in [0, 1).
     pub fn add(&mut self, neighbor: StoredReservoir, targets: CrossTargets, u: f32) -> Weighed {
-        let share = safe_ratio(neighbor.confidence, self.total);
+        let share = safe_ratio(self.trust * neighbor.confidence, self.total);
         let there = self.others * targets.neighbor_at_neighbor;
         let here = self.canonical.confidence * targets.neighbor_at_canonical;
         let mis_weight = share * safe_ratio(there, there + here);
@@ -89,7 +93,7 @@ impl Pairwise {
     pub fn doubt(&self, confidence: f32, canonical_at_neighbor: f32) -> f32 {
         let there = self.others * canonical_at_neighbor;
         let here = self.canonical.confidence * self.canonical_target;
-        safe_ratio(confidence, self.total) * safe_ratio(there, there + here)
+        safe_ratio(self.trust * confidence, self.total) * safe_ratio(there, there + here)
     }
 
     /// Adds such a gain.
@@ -132,9 +136,11 @@ mod tests {
     fn weights_sum_to_one() {
         for targets in [[1.0, 1.0, 1.0], [2.0, 0.5, 7.0], [1.0, 0.0, 3.0], [5.0, 0.0, 0.0], [1e-6, 1e6, 1.0]]
         {
-            for confidences in [[1.0, 1.0, 1.0], [32.0, 640.0, 5.0], [1.0, 0.0, 1000.0]] {
+            for (confidences, trust) in
+                [([1.0, 1.0, 1.0], 1.0), ([32.0, 640.0, 5.0], 0.25), ([1.0, 0.0, 1000.0], 1.0)]
+            {
                 let others: f32 = confidences[1] + confidences[2];
-                let mut merge = Pairwise::new(stored(0, 1.0, confidences[0]), targets[0], others);
+                let mut merge = Pairwise::new(stored(0, 1.0, confidences[0]), targets[0], others, trust);
                 for i in 1..3 {
                     let cross = CrossTargets {
                         neighbor_at_canonical: targets[0],
@@ -155,7 +161,7 @@ mod tests {
     /// A doubt resolved is a target that was 0 from the start.
     #[test]
     fn resolved_doubts_are_zero_targets() {
-        let begin = || Pairwise::new(stored(0, 1.0, 3.0), 2.0, 9.0);
+        let begin = || Pairwise::new(stored(0, 1.0, 3.0), 2.0, 9.0, 0.5);
         let cross = |canonical_at_neighbor| CrossTargets {
             neighbor_at_canonical: 0.7,
             neighbor_at_neighbor: 1.3,
@@ -175,7 +181,7 @@ mod tests {
     /// by what the canonical pixel would have given it.
     #[test]
     fn strange_neighbors_stay_small() {
-        let mut merge = Pairwise::new(stored(0, 1.0, 1.0), 1.0, 1.0);
+        let mut merge = Pairwise::new(stored(0, 1.0, 1.0), 1.0, 1.0, 1.0);
         let cross = CrossTargets {
             neighbor_at_canonical: 1e6,
             neighbor_at_neighbor: 1e-6,
@@ -189,7 +195,7 @@ mod tests {
 
     #[test]
     fn empty_reservoirs_merge_to_nothing() {
-        let mut merge = Pairwise::new(StoredReservoir::default(), 0.0, 0.0);
+        let mut merge = Pairwise::new(StoredReservoir::default(), 0.0, 0.0, 1.0);
         merge.add(StoredReservoir::default(), CrossTargets::default(), 0.0);
         assert_eq!(merge.finish(0.0).contribution_weight, 0.0);
     }

@@ -2,7 +2,7 @@
 
 use super::pairwise::{Pairwise, Weighed};
 use super::{CrossProposal, Pixels, initial, is_similar, reservoir_index, target_of};
-use crate::frame::FrameConstants;
+use crate::frame::{FrameConstants, Settings};
 use crate::light::LightTable;
 use crate::reservoir::{Reservoir, StoredReservoir};
 use crate::rng::{Rng, unit_f32};
@@ -80,8 +80,15 @@ pub struct Proposal {
 
 impl Proposal {
     /// Of one reservoir, before its neighbors are added. `others`: their confidences.
-    pub fn new(surface: &Surface, lights: LightTable<'_>, canonical: StoredReservoir, others: f32) -> Self {
-        let merge = Pairwise::new(canonical, target_of(surface, lights, canonical), others);
+    pub fn new(
+        settings: &Settings,
+        surface: &Surface,
+        lights: LightTable<'_>,
+        canonical: StoredReservoir,
+        others: f32,
+    ) -> Self {
+        let target = target_of(surface, lights, canonical);
+        let merge = Pairwise::new(canonical, target, others, settings.neighbor_trust());
         Proposal { merge, doubt: 0.0, ray: ShadowRay::default() }
     }
 
@@ -156,7 +163,7 @@ pub fn propose(
 ) -> Proposal {
     let canonical = pixels.reservoirs[reservoir_index(frame, pixel, lane) as usize];
     let others = confidence_of_neighbors(frame, surface, pixels, pixel, lane, *rng);
-    let mut proposal = Proposal::new(surface, lights, canonical, others);
+    let mut proposal = Proposal::new(&frame.settings, surface, lights, canonical, others);
     for _ in 0..frame.settings.neighbors {
         let (place, [u, lot]) = next_neighbor(frame, surface, pixels, pixel, rng);
         if let Some(place) = place {

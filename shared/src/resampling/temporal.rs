@@ -148,5 +148,5 @@ pub fn begin(
     current: StoredReservoir,
     proposal: CrossProposal,
 ) -> Pairwise {
-    Pairwise::new(current, target_of(surface, lights, current), proposal.neighbor.confidence)
+    Pairwise::new(current, target_of(surface, lights, current), proposal.neighbor.confidence, 1.0)
 }

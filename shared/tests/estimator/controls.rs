@@ -93,6 +93,15 @@ fn rays_left_out_are_seen() {
     is_seen(Plant::DoubtInverted, screened(world::points()), spatial, 1);
 }
 
+#[test]
+fn faults_of_pairs_are_seen() {
+    let pairs =
+        Settings { pairs: 1, spatial: 1, spatial_iterations: 4, radius: 8.0, candidates: 16, ..unbiased() };
+    for planted in [Plant::RayToPartner, Plant::RayFromPartner, Plant::PartnerTarget] {
+        is_seen(planted, screened(world::points()), pairs, 1);
+    }
+}
+
 /// The biased mode itself is the negative control of the unbiased one: 1/M weights behind a screen.
 #[test]
 fn the_bias_of_the_biased_mode_is_seen() {

@@ -49,6 +49,18 @@ pub fn reuse_cases() -> Vec<Case> {
     ]
 }
 
+/// Unbiased mode alone: pairs act in no other.
+pub fn pair_cases() -> Vec<Case> {
+    let pairs = Settings { mode: mode::UNBIASED, pairs: 1, spatial: 1, visibility_reuse: 1, ..base() };
+    let both = Settings { temporal: 1, tiles: 1, reservoirs: 2, ..pairs };
+    vec![
+        ("+ pairs", Settings { spatial_iterations: 1, ..pairs }, 1),
+        ("+ pairs, 2 times", pairs, 1),
+        ("+ tiles, temporal and pairs, 2 reservoirs", both, 3),
+        ("the same without visibility reuse", Settings { visibility_reuse: 0, ..both }, 3),
+    ]
+}
+
 pub fn in_mode(mode: u32, cases: Vec<Case>) -> Vec<Case> {
     cases.into_iter().map(|(name, s, frames)| (name, Settings { mode, ..s }, frames)).collect()
 }
@@ -68,6 +80,7 @@ fn matrix(Kind { everywhere, somewhere }: Kind) {
     let hidden = World::new(somewhere).behind_a_screen();
     check(&hidden, fresh_cases());
     check(&hidden, in_mode(mode::UNBIASED, reuse_cases()));
+    check(&hidden, pair_cases());
     check(&World::new(everywhere), in_mode(mode::BIASED, reuse_cases()));
 }
 
@@ -127,6 +140,8 @@ fn found_matrix(Kind { everywhere, somewhere }: Kind) {
         let hidden = World::new(somewhere.clone()).behind_a_screen().reflecting(metallic, roughness);
         check(&hidden, found_cases());
         check(&hidden, in_mode(mode::UNBIASED, found_reuse_cases()));
+        let visible = pair_cases().into_iter().filter(|(_, settings, _)| settings.visibility_reuse != 0);
+        check(&hidden, visible.map(|(n, s, f)| (n, Settings { bsdf_candidates: 2, ..s }, f)).collect());
         let open = World::new(everywhere.clone()).reflecting(metallic, roughness);
         check(&open, in_mode(mode::BIASED, found_reuse_cases()));
     }
@@ -152,7 +167,7 @@ fn lights_that_rays_find_and_others() {
 fn a_single_light_is_exact() {
     let world = World::new(vec![Light::point(Vec3::new(0.5, 2.0, 0.3), Vec3::splat(100.0))]);
     let cases = [mode::BIASED, mode::UNBIASED].into_iter().flat_map(|mode| in_mode(mode, reuse_cases()));
-    for (name, settings, frames) in fresh_cases().into_iter().chain(cases) {
+    for (name, settings, frames) in fresh_cases().into_iter().chain(cases).chain(pair_cases()) {
         let truth = expected(&world, frames);
         for (value, truth) in runs(&world, settings, frames, None, 3..4)[0].iter().zip(&truth) {
             assert!((value / truth - 1.0).abs() < 1e-4, "{name}: {value} instead of {truth}");

@@ -9,6 +9,7 @@ use shared::light::tile::{TILE_SIZE, TILES, TileEntry, Tiles, presample, tile_of
 use shared::light::{LightTable, build_alias_table, kind};
 use shared::pdf::SourcePdf;
 use shared::resampling::initial::{Candidate, Glance, Techniques};
+use shared::resampling::pairs::{self, PairTargets};
 use shared::resampling::{Pixels, initial, reservoir_index, spatial, temporal};
 use shared::reservoir::{Reservoir, StoredReservoir};
 use shared::rng::{Rng, Stream};
@@ -52,6 +53,11 @@ pub enum Plant {
     SurvivorRay,
     /// Neighbors that see the sample are taken for blind, and the other way round.
     DoubtInverted,
+    /// The ray to the partner's sample, where that is merged, and where the partner weighs its own by the answer.
+    RayToPartner,
+    RayFromPartner,
+    /// The partner's view of this pixel's sample is taken to be this pixel's own.
+    PartnerTarget,
     /// Reservoirs are summed, not averaged.
     Average,
     /// Light and BSDF candidates are weighed by their own densities alone: what both find counts twice.
@@ -126,7 +132,8 @@ impl<'a> Sequence<'a> {
             reservoirs = pass.temporal(reservoirs);
         }
         for iteration in 0..self.settings.spatial_iterations * self.settings.spatial {
-            reservoirs = pass.spatial(reservoirs, iteration);
+            let merge = if self.settings.in_pairs() { Pass::spatial_in_pairs } else { Pass::spatial };
+            reservoirs = merge(&pass, reservoirs, iteration);
         }
         let radiance = pass.shade(&reservoirs);
         self.history = reservoirs;
@@ -367,6 +374,50 @@ impl Pass<'_> {
             let merged = spatial::accept(surface, lights, proposal, visible, &mut rng);
             self.seen(merged, blind || self.is(Plant::SurvivorRay))
         })
+    }
+
+    fn spatial_in_pairs(&self, input: Vec<StoredReservoir>, iteration: u32) -> Vec<StoredReservoir> {
+        let settings = &self.frame.settings;
+        let pixels = Pixels { gbuffer: &self.view.gbuffer, reservoirs: &input };
+        let places = || {
+            let lanes = 0..settings.reservoirs;
+            lanes.flat_map(|lane| self.sequence.world.pixels().map(move |pixel| (pixel, lane)))
+        };
+        let all = |blind| -> Vec<PairTargets> {
+            let of = |(pixel, lane)| {
+                self.pair_targets(pixels, pixel, lane, lane + settings.reservoirs * iteration, blind)
+            };
+            places().map(of).collect()
+        };
+        let blind = !settings.visibility_is_known();
+        let here = all(blind || self.is(Plant::RayToPartner));
+        let there = all(blind || self.is(Plant::RayFromPartner));
+        self.each(|pixel, lane, i| {
+            let mut rng = self.rng(pixel, Stream::Spatial, lane + settings.reservoirs * iteration);
+            let partner = here[i].index as usize;
+            if partner == i {
+                return input[i];
+            }
+            let (here, mut there) = (here[i], there[partner]);
+            if self.is(Plant::PartnerTarget) {
+                there.partner = here.own;
+            }
+            pairs::merge(settings, [input[i], input[partner]], [here, there], &mut rng)
+        })
+    }
+
+    fn pair_targets(
+        &self,
+        pixels: Pixels<'_>,
+        pixel: UVec2,
+        lane: u32,
+        repetition: u32,
+        blind: bool,
+    ) -> PairTargets {
+        let (frame, surface) = (self.frame, self.surface(pixel));
+        let proposal = pairs::propose(frame, self.lights, surface, pixels, pixel, lane, repetition);
+        let visible = blind || proposal.is_certain() || self.sequence.world.trace(proposal.ray);
+        pairs::accept(proposal, visible)
     }
 
     fn shade(&self, reservoirs: &[StoredReservoir]) -> Vec<Vec3> {

@@ -54,6 +54,11 @@ pub struct KnobArgs {
     pub tiles: bool,
     #[arg(long, overrides_with = "tiles")]
     pub no_tiles: bool,
+    /// Merge pairs of pixels that chose each other in place of neighbors; acts in unbiased mode.
+    #[arg(long, overrides_with = "no_pairs")]
+    pub pairs: bool,
+    #[arg(long, overrides_with = "pairs")]
+    pub no_pairs: bool,
     /// How reused reservoirs are weighted [default: unbiased].
     #[arg(long, value_enum)]
     pub mode: Option<Mode>,
@@ -87,6 +92,7 @@ impl KnobArgs {
                 _ => file.tiles,
             },
             primary: self.primary.unwrap_or(file.primary),
+            pairs: switch(self.pairs, self.no_pairs, file.pairs),
         };
         document.check().map_err(Error::Usage)?;
         Ok(document)

@@ -1,6 +1,7 @@
 //! The passes of one pixel on the CPU, each from the GPU's own input, by the steps of the functions that the shaders run.
 
 mod initial;
+mod pairs;
 
 use super::World;
 use super::compare::{Difference, ROUNDING_ULPS, ulps};
@@ -252,7 +253,7 @@ impl Replay<'_> {
 
         let canonical = self.at(pixels.reservoirs, lane);
         let others = spatial::confidence_of_neighbors(frame, surface, pixels, self.pixel, lane, rng);
-        let mut lines = spatial::Proposal::new(surface, lights, canonical, others);
+        let mut lines = spatial::Proposal::new(&frame.settings, surface, lights, canonical, others);
         for _ in 0..frame.settings.neighbors {
             let (mut neighbor, place, [u, lot]) = self.next_neighbor(&mut rng);
             if let Some(place) = place {

@@ -8,6 +8,8 @@ pub mod gbuffer;
 pub mod gbuffer_raster;
 pub mod initial;
 pub mod initial_tiled;
+pub mod pair_merge;
+pub mod pair_targets;
 pub mod presample;
 pub mod reference;
 pub mod shade;
@@ -28,7 +30,7 @@ use super::pass::Pass;
 /// All passes. A frame takes either `gbuffer`, or `visibility` and `gbuffer_raster`; either the biased or the unbiased pair of reuse passes, the temporal one `_moving` where something
 /// moved; `reference` stands in for all from `initial` to `shade`. Those after `tonemap` follow where somebody asks for them: three are
 /// the viewer's, three measure floors.
-pub const ALL: [&Pass; 22] = [
+pub const ALL: [&Pass; 24] = [
     &gbuffer::PASS,
     &visibility::PASS,
     &gbuffer_raster::PASS,
@@ -41,6 +43,8 @@ pub const ALL: [&Pass; 22] = [
     &temporal_unbiased::PASS,
     &temporal_unbiased_moving::PASS,
     &spatial_unbiased::PASS,
+    &pair_targets::PASS,
+    &pair_merge::PASS,
     &shade::PASS,
     &shade_known::PASS,
     &reference::PASS,

@@ -14,7 +14,7 @@ use glam::UVec2;
 use shared::alpha::{self, SURE_HITS_ONLY};
 use shared::frame::{FrameConstants, Settings};
 use shared::light::{LightTable, Lights};
-use shared::resampling::{Pixels, initial, spatial, temporal};
+use shared::resampling::{Pixels, initial, pairs, spatial, temporal};
 use shared::reservoir::StoredReservoir;
 use shared::rng::{Rng, Stream};
 use shared::shading;
@@ -111,7 +111,7 @@ impl Capture<'_> {
                 history: history.read_role(step, Role::ReservoirsHistory)?,
                 ..Found::new(step, frame, std::mem::take(&mut self.fresh))
             }),
-            "spatial_unbiased" | "shade" => {
+            "spatial_unbiased" | "pair_targets" | "shade" => {
                 let reservoirs = history.read_role(step, Role::ReservoirsIn)?;
                 self.found.push(Found::new(step, frame, reservoirs));
             }
@@ -130,6 +130,9 @@ impl Capture<'_> {
         match found.pass {
             "gbuffer" => Ok(vec![self.captured(found, |pixel| Some(primary(&found.frame, pixel)))]),
             "shade" => Ok(vec![self.captured(found, |pixel| self.shading(found, pixel))]),
+            "pair_targets" if settings.visibility_is_known() => {
+                Ok(vec![self.captured(found, |pixel| self.partner(found, pixel))])
+            }
             "temporal_unbiased" | "spatial_unbiased" if settings.visibility_is_known() => {
                 let first = self.captured(found, |pixel| self.reuse(found, pixel, true)[0]);
                 let hits = trace(&first.rays)?;
@@ -165,6 +168,15 @@ impl Capture<'_> {
             let merged = spatial::accept(&surface, lights, proposal, seen, &mut rng);
             [asked(proposal.is_certain(), proposal.ray), asked(merged.is_certain(), merged.ray)]
         }
+    }
+
+    /// Whether the pixel sees its partner's sample.
+    fn partner(&self, found: &Found, pixel: UVec2) -> Option<StoredRay> {
+        let surface = self.surface(&found.frame, pixel)?;
+        let pixels = Pixels { gbuffer: &self.gbuffer, reservoirs: &found.reservoirs };
+        let proposal =
+            pairs::propose(&found.frame, self.lights(), &surface, pixels, pixel, 0, found.iteration);
+        (!proposal.is_certain()).then(|| shadow(proposal.ray, SURE_HITS_ONLY))
     }
 
     fn survivor(&self, found: &Found, pixel: UVec2) -> Option<StoredRay> {

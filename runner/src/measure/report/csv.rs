@@ -24,7 +24,7 @@ pub fn table(results: &Results) -> String {
 fn header(passes: &[String]) -> Vec<String> {
     let mut names: Vec<String> =
         "scene lights camera series label triangles light_table width height mode candidates bsdf_candidates visibility \
-        temporal spatial iterations neighbors radius reservoirs tiles primary frame_ms frame_p95_ms frame_spread_ms"
+        temporal spatial pairs iterations neighbors radius reservoirs tiles primary frame_ms frame_p95_ms frame_spread_ms"
             .split_whitespace()
             .map(str::to_owned)
             .collect();
@@ -58,6 +58,7 @@ fn numbers(m: &Measurement, passes: &[String]) -> Vec<String> {
         s.visibility.to_string(),
         s.temporal.to_string(),
         s.spatial.to_string(),
+        s.pairs.to_string(),
         s.iterations.to_string(),
         s.neighbors.to_string(),
         s.radius.to_string(),
