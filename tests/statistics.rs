@@ -53,13 +53,13 @@ fn unbiased_cases() -> Vec<(&'static str, Settings, u32)> {
     vec![
         ("unbiased spatial", base, 1),
         ("unbiased spatial without visibility reuse", Settings { visibility_reuse: 0, ..base }, 1),
-        ("unbiased pairs", Settings { pairs: 1, ..base }, 1),
-        ("unbiased pairs without visibility reuse", Settings { pairs: 1, visibility_reuse: 0, ..base }, 1),
         ("unbiased temporal", temporal, 4),
         ("unbiased temporal without visibility reuse", Settings { visibility_reuse: 0, ..temporal }, 4),
         ("unbiased temporal and spatial, two reservoirs", Settings { temporal: 1, reservoirs: 2, ..base }, 4),
-        ("unbiased temporal and pairs", Settings { temporal: 1, pairs: 1, reservoirs: 2, ..base }, 4),
         ("unbiased, tiles", Settings { temporal: 1, tiles: 1, ..base }, 4),
+        ("unbiased pairs", Settings { pairs: 1, ..base }, 1),
+        ("unbiased pairs without visibility reuse", Settings { pairs: 1, visibility_reuse: 0, ..base }, 1),
+        ("unbiased temporal and pairs", Settings { temporal: 1, pairs: 1, reservoirs: 2, ..base }, 4),
     ]
 }
 
