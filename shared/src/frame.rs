@@ -95,7 +95,7 @@ impl Default for Settings {
             spatial: 1,
             spatial_iterations: 1,
             neighbors: 4,
-            radius: 30.0,
+            radius: 8.0,
             depth_threshold: 0.1,
             // cos 25°, as Bitterli et al. have it.
             normal_threshold: 0.906,
@@ -103,7 +103,7 @@ impl Default for Settings {
             reservoirs: 1,
             mode: mode::UNBIASED,
             tiles: 0,
-            pairs: 0,
+            pairs: 1,
         }
     }
 }

@@ -27,9 +27,15 @@ pub struct FloorsArgs {
     /// The frame whose rays are traced.
     #[arg(long, value_enum, default_value_t = Mode::Unbiased)]
     pub mode: Mode,
+<<<<<<< HEAD
     /// As for `render`; `rays` has the rays from the eye among them.
     #[arg(long, value_enum, default_value_t = Primary::default())]
     pub primary: Primary,
+=======
+    /// Of unbiased spatial reuse in pairs.
+    #[arg(long)]
+    pub pairs: bool,
+>>>>>>> reuse
     /// Timed launches of each kind of ray, and timed frames.
     #[arg(long, default_value_t = 32, value_parser = clap::value_parser!(u32).range(2..))]
     pub frames: u32,
@@ -46,7 +52,7 @@ pub fn run(args: &FloorsArgs) -> Result<()> {
     let lights = LightTable::new(&scene);
     let device = Device::new(&args.device.options())?;
     let gpu_scene = GpuScene::new(&device, &scene)?;
-    let knobs = SettingsFile { mode: args.mode, ..SettingsFile::default() };
+    let knobs = SettingsFile { mode: args.mode, pairs: args.pairs, ..SettingsFile::default() };
     let settings = knobs.settings(gpu_scene.light_count());
     let mut renderer = Renderer::new(&device, gpu_scene, args.size, settings.reservoirs)?;
     let frame = floors::Frame { camera, settings, primary: args.primary };

@@ -114,7 +114,7 @@ pub static ITERATIONS: Knob = Knob {
 pub static NEIGHBORS: Knob = Knob {
     name: "Neighbors",
     unit: "pixels each pass, 1 to 32",
-    meaning: "How many neighbors each spatial pass asks.",
+    meaning: "How many neighbors each spatial pass asks, in biased mode or without pairs.",
     higher: "less noise; time grows with it",
     lower: "faster",
     bias: "biased mode: grows with it; unbiased: none",
@@ -164,11 +164,11 @@ pub static RESERVOIRS: Knob = Knob {
 pub static RADIUS: Knob = Knob {
     name: "Radius",
     unit: "pixels",
-    meaning: "Neighbors are drawn from a disk this large.",
+    meaning: "Neighbors are drawn from a disk this large, partners from a square.",
     higher: "neighbors repeat less, but are less alike",
     lower: "neighbors more alike, blotches smaller and stronger",
     bias: "biased mode: grows with it; unbiased: none",
-    kind: Kind::Amount(|s| &mut s.radius, 5.0..=200.0),
+    kind: Kind::Amount(|s| &mut s.radius, 4.0..=200.0),
 };
 
 pub static CONFIDENCE_CAP: Knob = Knob {

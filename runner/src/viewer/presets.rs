@@ -27,9 +27,11 @@ impl Preset {
         match self {
             Preset::Fast => "8 light samples, reuse over time alone: the right mean with the fewest rays",
             Preset::Thesis => {
-                "32 light samples, two spatial passes of 4 neighbors, 1/M weights: too dark in shadows"
+                "32 light samples, two spatial passes of 4 neighbors within 30 pixels, 1/M weights: too dark in shadows"
             }
-            Preset::Unbiased => "the defaults: one spatial pass, pairwise MIS, the right mean",
+            Preset::Unbiased => {
+                "the defaults: pairs of near pixels merged once, pairwise MIS, the right mean"
+            }
             Preset::Reference => "every light of every pixel, accumulated: the truth",
         }
     }
@@ -39,7 +41,9 @@ impl Preset {
         let unbiased = SettingsFile::default();
         match self {
             Preset::Fast => Some(SettingsFile { candidates: 8, spatial: false, ..unbiased }),
-            Preset::Thesis => Some(SettingsFile { mode: Mode::Biased, iterations: 2, ..unbiased }),
+            Preset::Thesis => {
+                Some(SettingsFile { mode: Mode::Biased, iterations: 2, radius: 30.0, ..unbiased })
+            }
             Preset::Unbiased => Some(unbiased),
             Preset::Reference => None,
         }

@@ -20,11 +20,11 @@ pub struct KnobArgs {
     pub candidates: Option<u32>,
     #[arg(long, value_parser = count(&BSDF_CANDIDATES), help = knob("Candidates that rays along the reflectance find, where triangles or an environment shine: smooth surfaces need them", |d| d.bsdf_candidates))]
     pub bsdf_candidates: Option<u32>,
-    #[arg(long, value_parser = count(&NEIGHBORS), help = knob("Neighbors of each spatial pass", |d| d.neighbors))]
+    #[arg(long, value_parser = count(&NEIGHBORS), help = knob("Neighbors of each spatial pass; acts with --no-pairs and in biased mode", |d| d.neighbors))]
     pub neighbors: Option<u32>,
     #[arg(long, value_parser = count(&ITERATIONS), help = knob("Spatial passes", |d| d.iterations))]
     pub iterations: Option<u32>,
-    #[arg(long, value_parser = positive, help = knob("Radius of the neighborhood, pixels", |d| d.radius))]
+    #[arg(long, value_parser = positive, help = knob("Radius of the neighborhood, pixels; side of the squares in which pairs are found, a power of two from there on", |d| d.radius))]
     pub radius: Option<f32>,
     #[arg(long, value_parser = count(&RESERVOIRS), help = knob("Reservoirs a pixel", |d| d.reservoirs))]
     pub reservoirs: Option<u32>,
@@ -54,7 +54,7 @@ pub struct KnobArgs {
     pub tiles: bool,
     #[arg(long, overrides_with = "tiles")]
     pub no_tiles: bool,
-    /// Merge pairs of pixels that chose each other in place of neighbors; acts in unbiased mode.
+    /// Merge pairs of pixels that chose each other, not neighbors (the default; acts in unbiased mode).
     #[arg(long, overrides_with = "no_pairs")]
     pub pairs: bool,
     #[arg(long, overrides_with = "pairs")]
