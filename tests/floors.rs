@@ -1,15 +1,10 @@
 //! The kernels that measure floors trace the rays that they say they trace: what they count is what frames show.
 
-<<<<<<< HEAD
-use candela::frame::schedule::Primary;
-use candela::measure::floors::{self, Frame};
-=======
 use candela::frame::history::History;
 use candela::frame::pass::{Role, Step};
-use candela::frame::renderer::{FrameOptions, Renderer};
-use candela::frame::schedule::Work;
-use candela::measure::floors;
->>>>>>> reuse
+use candela::frame::renderer::Renderer;
+use candela::frame::schedule::{Primary, Work};
+use candela::measure::floors::{self, Frame};
 use candela::scene::lights::LightTable;
 use candela::scene::{PointLight, SceneDescription};
 use glam::{UVec2, Vec3};
@@ -18,7 +13,7 @@ use shared::frame::{FrameConstants, Settings};
 use shared::resampling::pairs::PairTargets;
 use shared::reservoir::StoredReservoir;
 use shared::surface::GBufferTexel;
-use tests::gpu::{assert_no_validation_messages, device, renderer, restir};
+use tests::gpu::{assert_no_validation_messages, device, options, renderer, restir};
 use tests::scenes::{occluded, scene};
 
 const SIZE: UVec2 = UVec2::new(64, 48);
@@ -77,17 +72,13 @@ fn second_rays_of_reuse_decide_over_reservoirs() {
     let mut renderer = renderer(&device, &scene, SIZE, 1);
     let lights = LightTable::new(&scene);
     for temporal in [0, 1] {
-<<<<<<< HEAD
-        let settings = Settings { candidates: 4, temporal, spatial_iterations: 2, ..Settings::default() };
+        // Few candidates and short histories: survivors come from elsewhere often.
+        let (candidates, radius, confidence_cap) = (1, 10.0, 1.0);
+        let settings =
+            Settings { candidates, pairs: 0, radius, temporal, confidence_cap, ..Settings::default() };
         let captured =
             floors::capture(&mut renderer, &lights, Frame { camera, settings, primary: Primary::Rays })
                 .unwrap();
-=======
-        // Few candidates and short histories: survivors come from elsewhere often.
-        let settings =
-            Settings { candidates: 1, radius: 10.0, temporal, confidence_cap: 1.0, ..Settings::default() };
-        let captured = floors::capture(&mut renderer, &lights, camera, settings).unwrap();
->>>>>>> reuse
         let passes: Vec<_> = captured.iter().map(|captured| captured.pass).collect();
         let reuse = [&["temporal_unbiased"; 2][..2 * temporal as usize], &["spatial_unbiased"; 2]].concat();
         assert_eq!(passes, [&["gbuffer", "initial"][..], &reuse].concat());
@@ -116,7 +107,8 @@ fn rays_of_pairs_decide_over_targets() {
     let mut renderer = renderer(&device, &scene, SIZE, 1);
     let lights = LightTable::new(&scene);
     let settings = Settings { candidates: 1, temporal: 0, pairs: 1, radius: 16.0, ..Settings::default() };
-    let captured = floors::capture(&mut renderer, &lights, camera, settings).unwrap();
+    let captured =
+        floors::capture(&mut renderer, &lights, Frame { camera, settings, primary: Primary::Rays }).unwrap();
     let passes: Vec<_> = captured.iter().map(|captured| captured.pass).collect();
     assert_eq!(passes[passes.len() - 1..], ["pair_targets"]);
     let rays = &captured[captured.len() - 1];
@@ -124,8 +116,7 @@ fn rays_of_pairs_decide_over_targets() {
 
     let targets = |renderer: &mut Renderer, before: u32| {
         restir(renderer, camera, settings, before, 0);
-        let options =
-            FrameOptions { work: Work::Restir(settings), seed: 0, exposure: 1.0, background: Vec3::ZERO };
+        let frame = options(Work::Restir(settings), 0);
         let (recorder, history) = renderer.parts();
         let mut targets: Vec<PairTargets> = Vec::new();
         let read = |history: &History, _: &FrameConstants, step: &Step| {
@@ -134,7 +125,7 @@ fn rays_of_pairs_decide_over_targets() {
             }
             Ok(())
         };
-        recorder.render_stepwise(history, camera, &options, read).unwrap();
+        recorder.render_stepwise(history, camera, &frame, read).unwrap();
         targets
     };
     let traced: Vec<usize> = (0..hits.len()).filter(|&i| rays.rays[i].traced != 0).collect();

@@ -18,6 +18,6 @@ modules! {
     "initial" "temporal" "spatial" "shade" "shade_known" "tonemap" "reference"
     "accumulate" "view" "statistics" "floor_primary" "floor_shadow" "floor_copy"
     "presample" "initial_tiled" "temporal_unbiased" "spatial_unbiased"
-    "temporal_moving" "temporal_unbiased_moving" "pair_targets" "pair_merge"
+    "temporal_known" "temporal_moving" "temporal_unbiased_moving" "pair_targets" "pair_merge"
     "closest_hit" "primary_any_hit" "shadow_any_hit" "primary_miss" "shadow_miss"
 }

@@ -22,6 +22,7 @@ pub mod spatial;
 pub mod spatial_unbiased;
 pub mod statistics;
 pub mod temporal;
+pub mod temporal_known;
 pub mod temporal_moving;
 pub mod temporal_unbiased;
 pub mod temporal_unbiased_moving;

@@ -58,7 +58,8 @@ pub fn renderer(device: &Device, scene: &SceneDescription, size: UVec2, reservoi
     Renderer::new(device, scene, size, reservoirs).expect("the renderer fits")
 }
 
-fn options(work: Work, seed: u32) -> FrameOptions {
+/// Options of a frame that is not shown.
+pub fn options(work: Work, seed: u32) -> FrameOptions {
     FrameOptions { work, primary: Primary::default(), seed, exposure: 1.0, background: Vec3::ZERO }
 }
 

@@ -1,15 +1,13 @@
 //! `candela floors`: how fast this device traces the rays of a frame, and moves its bytes, without the frame around them.
 
 use super::args::values::parse_size;
-use super::args::{DeviceArgs, SceneArgs};
+use super::args::{DeviceArgs, KnobArgs, SceneArgs};
 use super::{output, view};
 use crate::error::{Error, Result};
 use crate::frame::renderer::Renderer;
-use crate::frame::schedule::Primary;
 use crate::gpu_scene::GpuScene;
 use crate::measure::floors::{self, Floors, RayFloor};
 use crate::scene::lights::LightTable;
-use crate::settings_file::{Mode, SettingsFile};
 use crate::vulkan::Device;
 use clap::Args;
 use glam::UVec2;
@@ -24,18 +22,9 @@ pub struct FloorsArgs {
     /// As for `render`.
     #[arg(long)]
     pub camera: Option<String>,
-    /// The frame whose rays are traced.
-    #[arg(long, value_enum, default_value_t = Mode::Unbiased)]
-    pub mode: Mode,
-<<<<<<< HEAD
-    /// As for `render`; `rays` has the rays from the eye among them.
-    #[arg(long, value_enum, default_value_t = Primary::default())]
-    pub primary: Primary,
-=======
-    /// Of unbiased spatial reuse in pairs.
-    #[arg(long)]
-    pub pairs: bool,
->>>>>>> reuse
+    /// Of the frame whose rays are traced; `--primary rays` has the rays from the eye among them.
+    #[command(flatten)]
+    pub knobs: KnobArgs,
     /// Timed launches of each kind of ray, and timed frames.
     #[arg(long, default_value_t = 32, value_parser = clap::value_parser!(u32).range(2..))]
     pub frames: u32,
@@ -52,10 +41,10 @@ pub fn run(args: &FloorsArgs) -> Result<()> {
     let lights = LightTable::new(&scene);
     let device = Device::new(&args.device.options())?;
     let gpu_scene = GpuScene::new(&device, &scene)?;
-    let knobs = SettingsFile { mode: args.mode, pairs: args.pairs, ..SettingsFile::default() };
+    let knobs = args.knobs.document()?;
     let settings = knobs.settings(gpu_scene.light_count());
     let mut renderer = Renderer::new(&device, gpu_scene, args.size, settings.reservoirs)?;
-    let frame = floors::Frame { camera, settings, primary: args.primary };
+    let frame = floors::Frame { camera, settings, primary: knobs.primary };
     let floors = floors::measure(&mut renderer, &lights, frame, args.frames)?;
     if args.json {
         println!("{}", serde_json::to_string_pretty(&floors).map_err(|e| Error::Usage(e.to_string()))?);

@@ -215,7 +215,11 @@ impl<'a> Witness<'a> {
                 reports.extend(lanes.map(|lane| replay.initial(stem, lane, tiles, &after)));
                 self.reservoirs = after;
             }
-            "temporal" | "temporal_unbiased" | "temporal_moving" | "temporal_unbiased_moving" => {
+            "temporal"
+            | "temporal_unbiased"
+            | "temporal_known"
+            | "temporal_moving"
+            | "temporal_unbiased_moving" => {
                 let before = if stem.ends_with("_moving") { self.world.before(texel.instance) } else { None };
                 let gbuffer: Vec<GBufferTexel> = history.read_role(step, Role::PreviousGBuffer)?;
                 let ended: Vec<StoredReservoir> = history.read_role(step, Role::ReservoirsHistory)?;

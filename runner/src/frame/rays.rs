@@ -8,7 +8,7 @@ use shared::frame::Settings;
 /// Rays a pixel of a frame with these settings, at most; fewer where nothing is hit or a sample's visibility is known.
 /// `features`: of the scene.
 pub fn most(settings: &Settings, draws: bool, features: u32) -> u64 {
-    let conditions = Conditions { draws, features, moved: false };
+    let conditions = Conditions { draws, features, ..Default::default() };
     let (steps, _) = schedule(&Work::Restir(*settings), conditions, Rotation::default());
     steps.iter().map(|step| of_step(step, settings, features)).sum()
 }

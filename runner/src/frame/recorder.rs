@@ -14,7 +14,7 @@ use crate::vulkan::{Buffer, Device, Memory, PushSet, Timestamps, debug_label, me
 use ash::vk;
 use glam::Vec3;
 use shared::camera::Camera;
-use shared::frame::{FrameConstants, Settings};
+use shared::frame::{FrameConstants, Settings, features};
 use shared::interface::{PassConstants, frame_binding, past_binding};
 
 use vk::{AccessFlags as Access, PipelineStageFlags as PipelineStage};
@@ -191,7 +191,13 @@ impl Recorder {
             first_environment_light: self.scene.first_environment_light(),
         };
         let draws = options.primary.draws(&self.device);
-        let conditions = Conditions { draws, features: self.scene.features(), moved };
+        let features = self.scene.features();
+        // What is transparent shows another point by lot.
+        let still = history.index > 0
+            && history.scene == now
+            && history.previous_camera == Some(camera)
+            && features & features::ALPHA == 0;
+        let conditions = Conditions { draws, features, moved, still };
         let (steps, next) = schedule(&options.work, conditions, history.rotation);
         if draws {
             history.targets.make_visibility(&self.device)?;

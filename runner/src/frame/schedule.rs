@@ -3,7 +3,7 @@
 use super::pass::{BufferId, Pass, Role, Step};
 use super::passes::{
     gbuffer, gbuffer_raster, initial, initial_tiled, pair_merge, pair_targets, presample, reference, shade,
-    shade_known, spatial, spatial_unbiased, temporal, temporal_moving, temporal_unbiased,
+    shade_known, spatial, spatial_unbiased, temporal, temporal_known, temporal_moving, temporal_unbiased,
     temporal_unbiased_moving, tonemap, visibility,
 };
 use crate::vulkan::Device;
@@ -57,6 +57,8 @@ pub struct Conditions {
     pub features: u32,
     /// The scene is not where it was in the frame before.
     pub moved: bool,
+    /// Every pixel sees the very point that it saw in the frame before.
+    pub still: bool,
 }
 
 /// What a frame computes.
@@ -139,12 +141,16 @@ impl Frame {
     }
 
     fn restir(&mut self, settings: &Settings) {
-        let (temporal, spatial) = match (settings.mode == mode::UNBIASED, self.conditions.moved) {
-            (true, true) => (&temporal_unbiased_moving::PASS, &spatial_unbiased::PASS),
-            (true, false) => (&temporal_unbiased::PASS, &spatial_unbiased::PASS),
-            (false, true) => (&temporal_moving::PASS, &spatial::PASS),
-            (false, false) => (&temporal::PASS, &spatial::PASS),
+        let unbiased = settings.mode == mode::UNBIASED;
+        let Conditions { moved, still, .. } = self.conditions;
+        let temporal = match (unbiased, moved) {
+            (true, true) => &temporal_unbiased_moving::PASS,
+            (true, false) if still || !settings.visibility_is_known() => &temporal_known::PASS,
+            (true, false) => &temporal_unbiased::PASS,
+            (false, true) => &temporal_moving::PASS,
+            (false, false) => &temporal::PASS,
         };
+        let spatial = if unbiased { &spatial_unbiased::PASS } else { &spatial::PASS };
         if settings.tiles != 0 {
             self.push(&presample::PASS, PassConstants::default());
             self.push(&initial_tiled::PASS, PassConstants::default());
@@ -232,7 +238,7 @@ mod tests {
         let mut rotation = Rotation::default();
         let mut content: HashMap<BufferId, (u32, &str)> = HashMap::new();
         for frame in 0..7 {
-            let conditions = Conditions { draws, moved: frame % 2 == 1, features: 0 };
+            let conditions = Conditions { draws, moved: frame % 2 == 1, ..Default::default() };
             let (steps, next) = schedule(work, conditions, rotation);
             let mut last_reservoirs = "";
             for step in &steps {

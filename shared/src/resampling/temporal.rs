@@ -141,6 +141,30 @@ pub fn accept(
     initial::Proposal { seen: merged.seen || proposal.same_point != 0, ..merged }
 }
 
+/// Unbiased temporal reuse of a frame that asks no rays: where nothing has moved, history and pixel see the same point, and
+/// what one has seen, the other sees; where visibility is left to shading (`asks` is false), nobody wants to know. `current`
+/// stays where a ray would be needed nevertheless.
+pub fn without_rays(
+    frame: &FrameConstants,
+    lights: LightTable<'_>,
+    surface: &Surface,
+    current: StoredReservoir,
+    previous: Pixels<'_>,
+    lane: u32,
+    rng: &mut Rng,
+) -> StoredReservoir {
+    let asks = frame.settings.visibility_is_known();
+    let Some(proposal) = propose(frame, lights, surface, current, previous, lane) else {
+        return current;
+    };
+    let merged = accept(lights, surface, current, proposal, true, rng);
+    if asks && !(proposal.is_certain() && merged.is_certain()) {
+        current
+    } else {
+        initial::accept(merged, true)
+    }
+}
+
 /// A merge of two, before the history is added.
 pub fn begin(
     lights: LightTable<'_>,

@@ -18,6 +18,7 @@ pub mod spatial;
 pub mod spatial_unbiased;
 pub mod statistics;
 pub mod temporal;
+pub mod temporal_known;
 pub mod temporal_moving;
 pub mod temporal_unbiased;
 pub mod temporal_unbiased_moving;
@@ -30,7 +31,7 @@ use super::pass::Pass;
 /// All passes. A frame takes either `gbuffer`, or `visibility` and `gbuffer_raster`; either the biased or the unbiased pair of reuse passes, the temporal one `_moving` where something
 /// moved; `reference` stands in for all from `initial` to `shade`. Those after `tonemap` follow where somebody asks for them: three are
 /// the viewer's, three measure floors.
-pub const ALL: [&Pass; 24] = [
+pub const ALL: [&Pass; 25] = [
     &gbuffer::PASS,
     &visibility::PASS,
     &gbuffer_raster::PASS,
@@ -41,6 +42,7 @@ pub const ALL: [&Pass; 24] = [
     &spatial::PASS,
     &temporal_moving::PASS,
     &temporal_unbiased::PASS,
+    &temporal_known::PASS,
     &temporal_unbiased_moving::PASS,
     &spatial_unbiased::PASS,
     &pair_targets::PASS,
