@@ -1,5 +1,6 @@
 //! The same pixel of the same frame with the same seed is the same picture: in one process, in two, and at two resolutions.
 
+use candela::frame::schedule::{Conditions, Rotation, Work, schedule};
 use glam::{UVec2, Vec3};
 use shared::camera::Camera;
 use shared::frame::{Settings, mode};
@@ -64,6 +65,29 @@ fn two_processes_give_the_same_bits() {
     );
     let other = picture(8).map(|image| hash(&image));
     assert_ne!(other, Some(hash(&image)), "another seed gave the same hash");
+}
+
+/// Where nothing moves, temporal reuse has a pass without rays. It comes to the same bits as the pass that may trace some.
+#[test]
+fn known_visibility_changes_no_bit() {
+    let Some(device) = device() else { return };
+    for visibility_reuse in [0, 1] {
+        let settings = Settings { visibility_reuse, ..settings() };
+        let picture = |seeks: bool, seed: u32| {
+            let mut renderer = renderer(&device, &occluded(many_lights()), SIZE, 2);
+            renderer.ignore_motion(seeks);
+            bits(&restir(&mut renderer, camera(SIZE), settings, 4, seed))
+        };
+        assert!(picture(false, 7) == picture(true, 7), "rays said something else than what was known");
+        assert!(picture(false, 7) != picture(true, 8), "another seed gave the same picture");
+    }
+    let still = Conditions { still: true, ..Default::default() };
+    let stems = |conditions| {
+        let (steps, _) = schedule(&Work::Restir(settings()), conditions, Rotation::default());
+        steps.iter().map(|step| step.pass.stem).collect::<Vec<_>>()
+    };
+    assert!(stems(still).contains(&"temporal_known"));
+    assert!(stems(Conditions::default()).contains(&"temporal_unbiased"));
 }
 
 /// The upper left quarter of a picture and a picture of that quarter alone draw the same numbers: pixel, frame and seed are all that

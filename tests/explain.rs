@@ -78,6 +78,7 @@ fn cases() -> Vec<(&'static str, Settings)> {
         reservoirs: 2,
         spatial_iterations: 2,
         mode: mode::BIASED,
+        pairs: 0,
         ..Settings::default()
     };
     let unbiased = Settings { mode: mode::UNBIASED, ..base };

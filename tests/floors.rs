@@ -14,7 +14,7 @@ use shared::resampling::pairs::PairTargets;
 use shared::reservoir::StoredReservoir;
 use shared::surface::GBufferTexel;
 use tests::gpu::{assert_no_validation_messages, device, options, renderer, restir};
-use tests::scenes::{occluded, scene};
+use tests::scenes::{occluded, pane, scene, square};
 
 const SIZE: UVec2 = UVec2::new(64, 48);
 
@@ -65,29 +65,44 @@ fn hits_are_what_the_frame_shows() {
 }
 
 /// Unbiased reuse, pixel by pixel: a reservoir is empty after the last pass if the pass's second ray met something, and only then.
+/// Where something is transparent, temporal reuse asks too, although nothing moves.
 #[test]
 fn second_rays_of_reuse_decide_over_reservoirs() {
     let Some(device) = device() else { return };
-    let (scene, camera) = horizon();
-    let mut renderer = renderer(&device, &scene, SIZE, 1);
-    let lights = LightTable::new(&scene);
-    for temporal in [0, 1] {
+    let (solid, camera) = horizon();
+    let mut glazed = solid.clone();
+    glazed.materials.push(pane());
+    let material = glazed.materials.len() - 1;
+    glazed.meshes[0].primitives.push(square(Vec3::new(0.0, 9.0, 9.0), Vec3::X, Vec3::Z, material));
+    for (temporal, scene) in [(0, &solid), (1, &glazed)] {
+        let mut renderer = renderer(&device, scene, SIZE, 1);
+        let lights = LightTable::new(scene);
         // Few candidates and short histories: survivors come from elsewhere often.
         let (candidates, radius, confidence_cap) = (1, 10.0, 1.0);
         let settings =
             Settings { candidates, pairs: 0, radius, temporal, confidence_cap, ..Settings::default() };
-        let captured =
-            floors::capture(&mut renderer, &lights, Frame { camera, settings, primary: Primary::Rays })
-                .unwrap();
+        let frame = Frame { camera, settings, primary: Primary::Rays };
+        let captured = floors::capture(&mut renderer, &lights, frame).unwrap();
         let passes: Vec<_> = captured.iter().map(|captured| captured.pass).collect();
-        let reuse = [&["temporal_unbiased"; 2][..2 * temporal as usize], &["spatial_unbiased"; 2]].concat();
-        assert_eq!(passes, [&["gbuffer", "initial"][..], &reuse].concat());
-        let [.., first, last] = &captured[..] else { panic!("{passes:?}") };
-        let [asked, hits] = [first, last].map(|captured| captured.hits(&mut renderer).unwrap());
+        let expected: &[&str] = match temporal {
+            0 => &["gbuffer", "initial", "spatial_unbiased", "spatial_unbiased"],
+            _ => &[
+                "gbuffer",
+                "initial",
+                "temporal_unbiased",
+                "temporal_unbiased",
+                "spatial_unbiased",
+                "spatial_unbiased",
+                "shade",
+            ],
+        };
+        assert_eq!(passes, expected);
+        let last = passes.iter().rposition(|&pass| pass == "spatial_unbiased").unwrap();
+        let [asked, hits] = [last - 1, last].map(|i| captured[i].hits(&mut renderer).unwrap());
 
         restir(&mut renderer, camera, settings, floors::HISTORY + 1, 0);
         let ended: Vec<StoredReservoir> = renderer.parts().1.shaded_reservoirs().read_vec().unwrap();
-        let traced = |i: &usize| last.rays[*i].traced != 0;
+        let traced = |i: &usize| captured[last].rays[*i].traced != 0;
         let agrees = |hits: &[u32], i: usize| (hits[i] == 0) == (ended[i].contribution_weight > 0.0);
         let pixels: Vec<usize> = (0..ended.len()).filter(traced).collect();
         let hidden = pixels.iter().filter(|&&i| hits[i] != 0).count();

@@ -300,7 +300,8 @@ fn a_still_scene_has_no_past() {
         let (steps, _) = schedule(&Work::Restir(Settings::default()), conditions, Rotation::default());
         steps.iter().map(|step| (step.pass.stem, step.pass.past)).collect::<Vec<_>>()
     };
-    let still = ["gbuffer", "initial", "temporal_unbiased", "spatial_unbiased", "shade_known", "tonemap"];
+    let still =
+        ["gbuffer", "initial", "temporal_unbiased", "pair_targets", "pair_merge", "shade_known", "tonemap"];
     assert_eq!(stems(false), still.map(|stem| (stem, false)));
     assert_eq!(stems(true).len(), still.len(), "motion exchanges a pass, and adds none");
     assert_eq!(passes::ALL.iter().filter(|pass| pass.past).count(), 2);

@@ -47,6 +47,7 @@ fn unbiased_cases() -> Vec<(&'static str, Settings, u32)> {
         temporal: 0,
         spatial_iterations: 2,
         mode: mode::UNBIASED,
+        pairs: 0,
         ..Settings::default()
     };
     let temporal = Settings { temporal: 1, spatial: 0, ..base };

@@ -76,7 +76,7 @@ fn a_killed_sweep_goes_on_and_its_numbers_make_sense() {
             "frame_p95_ms",
             "visibility_ms",
             "gbuffer_raster_ms",
-            "shade_ms",
+            "initial_ms",
             "rel_mse",
             "r_mae",
             "flip",

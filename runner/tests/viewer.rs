@@ -131,7 +131,7 @@ fn the_picked_pixel_is_explained() {
     let folder = Folder::new("explain");
     let text = "frames 2\nkey KeyI\nloaded\nexpect explanation\n\
                 click 100 60\nframes 2\nkey KeyI\nloaded\nexpect explanation pixel 100 60 of 160x120\n\
-                expect explanation unbiased mode\nexpect explanation spatial_unbiased 0\nexpect explanation differs by rounding alone\nframes 2\n\
+                expect explanation unbiased mode\nexpect explanation pair_merge 0\nexpect explanation differs by rounding alone\nframes 2\n\
                 key KeyB\nkey KeyL\nkey KeyU\nframes 2\nkey KeyI\nloaded\nexpect explanation biased mode\nexpect explanation spatial 0\n\
                 resize 120 100\nframes 2\nclick 20 60\nkey KeyI\nresize 100 120\nframes 3\nloaded\n\
                 expect explanation pixel 20 60 of 120x100\nframes 2\nexpect size 100x120\n\

@@ -45,7 +45,7 @@ mod tests {
     /// shade but through what is transparent.
     #[test]
     fn rays_counted_by_hand() {
-        let biased = Settings { mode: mode::BIASED, spatial_iterations: 2, ..Settings::default() };
+        let biased = Settings { mode: mode::BIASED, pairs: 0, spatial_iterations: 2, ..Settings::default() };
         let unbiased = Settings { mode: mode::UNBIASED, ..biased };
         let most = |settings: &Settings, features| {
             let rays = super::most(settings, false, features);

@@ -193,7 +193,8 @@ impl Recorder {
         let draws = options.primary.draws(&self.device);
         let features = self.scene.features();
         // What is transparent shows another point by lot.
-        let still = history.index > 0
+        let still = !self.ignores_motion
+            && history.index > 0
             && history.scene == now
             && history.previous_camera == Some(camera)
             && features & features::ALPHA == 0;

@@ -68,7 +68,7 @@ impl Renderer {
         self.recorder.replace_lights(scene, edits)
     }
 
-    /// For tests' negative controls: temporal reuse takes the past for the present.
+    /// For tests: temporal reuse takes the past for the present, and does not know that nothing has moved where nothing has.
     #[doc(hidden)]
     pub fn ignore_motion(&mut self, ignore: bool) {
         self.recorder.ignores_motion = ignore;

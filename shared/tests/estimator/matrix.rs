@@ -19,6 +19,7 @@ pub fn base() -> Settings {
         temporal: 0,
         spatial_iterations: 2,
         mode: mode::BIASED,
+        pairs: 0,
         ..Settings::default()
     }
 }
