@@ -192,12 +192,11 @@ impl Recorder {
         };
         let draws = options.primary.draws(&self.device);
         let features = self.scene.features();
-        // What is transparent shows another point by lot.
-        let still = !self.ignores_motion
-            && history.index > 0
-            && history.scene == now
+        // What is transparent shows another point by lot. The first frame has no history to ask.
+        let rests = history.scene == now
             && history.previous_camera == Some(camera)
             && features & features::ALPHA == 0;
+        let still = !self.ignores_motion && (history.index == 0 || rests);
         let conditions = Conditions { draws, features, moved, still };
         let (steps, next) = schedule(&options.work, conditions, history.rotation);
         if draws {
