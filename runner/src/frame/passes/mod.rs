@@ -28,9 +28,8 @@ pub mod visibility;
 
 use super::pass::Pass;
 
-/// All passes. A frame takes either `gbuffer`, or `visibility` and `gbuffer_raster`; either the biased or the unbiased pair of reuse passes, the temporal one `_moving` where something
-/// moved; `reference` stands in for all from `initial` to `shade`. Those after `tonemap` follow where somebody asks for them: three are
-/// the viewer's, three measure floors.
+/// All passes. Of passes with variants a frame takes one (`frame::schedule`, docs/architecture.md); `reference` stands in for all
+/// from `initial` to shading. Those after `tonemap` follow where somebody asks for them: three are the viewer's, three measure floors.
 pub const ALL: [&Pass; 25] = [
     &gbuffer::PASS,
     &visibility::PASS,
