@@ -218,7 +218,7 @@ fn payloads_and_push_constants_have_one_layout() {
             );
         }
         if pass.stage == Stage::Compute {
-            assert_eq!(module.workgroup(), Some([WORKGROUP, WORKGROUP, 1]), "{}", pass.stem);
+            assert_eq!(module.workgroup(), Some([WORKGROUP[0], WORKGROUP[1], 1]), "{}", pass.stem);
         }
     }
 }

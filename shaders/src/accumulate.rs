@@ -6,7 +6,7 @@ use shared::interface::PassConstants;
 use shared::view;
 use spirv_std::spirv;
 
-#[spirv(compute(threads(8, 8, 1), entry_point_name = "accumulate"))]
+#[spirv(compute(threads(32, 4, 1), entry_point_name = "accumulate"))]
 pub fn accumulate(
     #[spirv(global_invocation_id)] id: UVec3,
     #[spirv(push_constant)] constants: &PassConstants,

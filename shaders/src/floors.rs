@@ -44,7 +44,7 @@ pub fn floor_shadow(
     hits[index] = hit as u32;
 }
 
-#[spirv(compute(threads(8, 8, 1), entry_point_name = "floor_copy"))]
+#[spirv(compute(threads(32, 4, 1), entry_point_name = "floor_copy"))]
 pub fn floor_copy(
     #[spirv(global_invocation_id)] id: UVec3,
     #[spirv(uniform, descriptor_set = 1, binding = 0)] frame: &FrameConstants,

@@ -11,7 +11,7 @@ use shared::raster;
 use shared::surface::GBufferTexel;
 use spirv_std::spirv;
 
-#[spirv(compute(threads(8, 8, 1), entry_point_name = "gbuffer_raster"))]
+#[spirv(compute(threads(32, 4, 1), entry_point_name = "gbuffer_raster"))]
 pub fn gbuffer_raster(
     #[spirv(global_invocation_id)] id: UVec3,
     #[spirv(spec_constant(id = 0, default = 0))] features: u32,

@@ -9,7 +9,7 @@ use shared::reservoir::StoredReservoir;
 use shared::rng::{Rng, Stream};
 use spirv_std::spirv;
 
-#[spirv(compute(threads(8, 8, 1), entry_point_name = "pair_merge"))]
+#[spirv(compute(threads(32, 4, 1), entry_point_name = "pair_merge"))]
 pub fn pair_merge(
     #[spirv(global_invocation_id)] id: UVec3,
     #[spirv(push_constant)] constants: &PassConstants,

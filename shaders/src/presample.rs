@@ -7,7 +7,7 @@ use shared::light::tile::{TILE_SIZE, TILES, TileEntry, presample as draw};
 use shared::light::{Light, LightTable, Lights};
 use spirv_std::spirv;
 
-#[spirv(compute(threads(8, 8, 1), entry_point_name = "presample"))]
+#[spirv(compute(threads(32, 4, 1), entry_point_name = "presample"))]
 pub fn presample(
     #[spirv(global_invocation_id)] id: UVec3,
     #[spirv(spec_constant(id = 0, default = 0))] features: u32,

@@ -10,7 +10,7 @@ use shared::shading;
 use shared::surface::GBufferTexel;
 use spirv_std::spirv;
 
-#[spirv(compute(threads(8, 8, 1), entry_point_name = "shade_known"))]
+#[spirv(compute(threads(32, 4, 1), entry_point_name = "shade_known"))]
 pub fn shade_known(
     #[spirv(global_invocation_id)] id: UVec3,
     #[spirv(spec_constant(id = 0, default = 0))] features: u32,

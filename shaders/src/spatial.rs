@@ -11,7 +11,7 @@ use shared::rng::{Rng, Stream};
 use shared::surface::GBufferTexel;
 use spirv_std::spirv;
 
-#[spirv(compute(threads(8, 8, 1), entry_point_name = "spatial"))]
+#[spirv(compute(threads(32, 4, 1), entry_point_name = "spatial"))]
 pub fn spatial(
     #[spirv(global_invocation_id)] id: UVec3,
     #[spirv(push_constant)] constants: &PassConstants,

@@ -6,7 +6,7 @@ use shared::interface::PassConstants;
 use shared::statistics::{BLOCK, BlockSums};
 use spirv_std::spirv;
 
-#[spirv(compute(threads(8, 8, 1), entry_point_name = "statistics"))]
+#[spirv(compute(threads(32, 4, 1), entry_point_name = "statistics"))]
 pub fn statistics(
     #[spirv(global_invocation_id)] id: UVec3,
     #[spirv(push_constant)] constants: &PassConstants,

@@ -10,7 +10,7 @@ use shared::rng::{Rng, Stream};
 use shared::surface::GBufferTexel;
 use spirv_std::spirv;
 
-#[spirv(compute(threads(8, 8, 1), entry_point_name = "temporal"))]
+#[spirv(compute(threads(32, 4, 1), entry_point_name = "temporal"))]
 pub fn temporal(
     #[spirv(global_invocation_id)] id: UVec3,
     #[spirv(spec_constant(id = 0, default = 0))] features: u32,

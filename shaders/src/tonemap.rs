@@ -5,7 +5,7 @@ use shared::glam::{UVec3, Vec3};
 use shared::tonemap;
 use spirv_std::spirv;
 
-#[spirv(compute(threads(8, 8, 1), entry_point_name = "tonemap"))]
+#[spirv(compute(threads(32, 4, 1), entry_point_name = "tonemap"))]
 pub fn tonemap(
     #[spirv(global_invocation_id)] id: UVec3,
     #[spirv(uniform, descriptor_set = 1, binding = 0)] frame: &FrameConstants,

@@ -12,7 +12,7 @@ use shared::target::unshadowed;
 use shared::{tonemap, view};
 use spirv_std::spirv;
 
-#[spirv(compute(threads(8, 8, 1), entry_point_name = "view"))]
+#[spirv(compute(threads(32, 4, 1), entry_point_name = "view"))]
 pub fn view(
     #[spirv(global_invocation_id)] id: UVec3,
     #[spirv(push_constant)] constants: &PassConstants,

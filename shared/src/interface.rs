@@ -119,4 +119,4 @@ pub mod past_binding {
 }
 
 /// Threads of a compute pass's workgroup, in x and y.
-pub const WORKGROUP: u32 = 8;
+pub const WORKGROUP: [u32; 2] = [32, 4];

@@ -212,7 +212,8 @@ impl PassPipeline {
         };
         match self {
             PassPipeline::Compute(pipeline) => {
-                pipeline.dispatch(cmd, [size.x.div_ceil(WORKGROUP), size.y.div_ceil(WORKGROUP), depth]);
+                let groups = [size.x.div_ceil(WORKGROUP[0]), size.y.div_ceil(WORKGROUP[1]), depth];
+                pipeline.dispatch(cmd, groups);
                 Ok(())
             }
             PassPipeline::Rays(pipeline) => pipeline.trace(cmd, [size.x, size.y, depth]),
