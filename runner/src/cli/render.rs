@@ -4,7 +4,6 @@ use super::args::values::positive;
 use super::args::{DeviceArgs, KnobArgs, PictureArgs, SceneArgs};
 use super::{output, progress, sequence, view};
 use crate::error::Result;
-use crate::frame::rays;
 use crate::frame::renderer::{FrameOptions, Renderer};
 use crate::frame::schedule::Work;
 use crate::gpu_scene::GpuScene;
@@ -99,7 +98,7 @@ fn still(args: &RenderArgs, frames: u32) -> Result<()> {
     let lights = renderer.scene().light_count();
     println!("{}: {lights} lights, {}x{}, {} frames", device.info().name, size.x, size.y, frames);
     println!("{}", times.summary());
-    let rays = rays::most(&settings, knobs.primary.draws(&device), renderer.scene().features());
+    let rays = renderer.parts().0.most_rays(&settings, knobs.primary);
     let pixels = u64::from(size.x) * u64::from(size.y);
     println!("rays a frame: at most {} ({rays} a pixel)", rays * pixels);
     output::check_validation(&device)
