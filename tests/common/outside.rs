@@ -1,7 +1,7 @@
 //! Scenes that Mitsuba has rendered too (tools/mitsuba): balls and a box on a floor, lit by one kind of light each.
 
 use crate::scenes::{self, emitter};
-use candela::scene::shapes::{Shape, cuboid, polygon, sphere};
+use candela::scene::procedural::shapes::{Shape, cuboid, polygon, sphere};
 use candela::scene::{
     DirectionalLight, Environment, Instance, Material, Mesh, PointLight, SceneCamera, SceneDescription,
     SpotLight, Workflow, fixtures,

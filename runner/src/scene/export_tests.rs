@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::scene::Filter;
-use crate::scene::atrium::atrium;
+use crate::scene::procedural::atrium::atrium;
 use glam::{Affine3A, Quat, Vec2, Vec4};
 
 /// One of everything that a scene can have.

@@ -3,7 +3,7 @@
 
 use super::animation::{Channel, Curve, Interpolation, Local, Node, Thing, Track};
 use super::export::to_glb;
-use super::shapes::{Shape, cuboid, polygon};
+use super::procedural::shapes::{Shape, cuboid, polygon};
 use super::{Instance, Material, Mesh, PointLight, SceneCamera, SceneDescription};
 use crate::error::{Error, Result};
 use glam::{Affine3A, DAffine3, DQuat, DVec3, DVec4, Mat3, Vec3, Vec4};

@@ -1,7 +1,6 @@
 //! A scene as plain CPU data: no Vulkan type, no file handle. Loaders and generators make it, `gpu_scene` uploads it.
 
 pub mod animation;
-pub mod atrium;
 pub mod camera;
 pub mod emission;
 pub mod environment;
@@ -9,9 +8,8 @@ pub mod export;
 pub mod fixtures;
 pub mod gltf;
 pub mod interchange;
-pub mod knot;
 pub mod lights;
-pub mod shapes;
+pub mod procedural;
 mod source;
 
 pub use environment::Environment;

@@ -1,7 +1,8 @@
 //! From what the command line names to a scene with lights.
 
-use super::lights::{is_lit, scatter};
-use super::{SceneDescription, SceneSource, atrium, environment, gltf, knot};
+use super::lights::is_lit;
+use super::procedural::{atrium, knot, scatter::scatter};
+use super::{SceneDescription, SceneSource, environment, gltf};
 use crate::error::Result;
 use crate::startup;
 use std::path::{Path, PathBuf};

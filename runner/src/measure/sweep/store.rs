@@ -116,7 +116,7 @@ fn short(digest: impl AsRef<[u8]>) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{atrium, knot};
+    use crate::scene::procedural::{atrium, knot};
 
     #[test]
     fn scenes_are_told_apart_by_what_they_show() {

@@ -1,12 +1,10 @@
-//! All lights of a scene as the GPU reads them; [`changes`] when they move, [`scatter`] when there are too few.
+//! All lights of a scene as the GPU reads them; [`changes`] when they move.
 
 mod changes;
-mod scatter;
 #[cfg(test)]
 mod tests;
 
 pub use changes::{LightEdits, inverse_map, light_maps};
-pub use scatter::scatter;
 
 use super::emission::{Emission, Emitters, Part};
 use super::environment::shines;

@@ -7,7 +7,7 @@ use super::plan::{
     UPPER_SPRING, bay_centers, column_lines,
 };
 use super::wall::{Opening, arched_wall, opening_frames};
-use crate::scene::shapes::{Outline, Profile, Shape, cuboid, lathe, polygon, sweep};
+use crate::scene::procedural::shapes::{Outline, Profile, Shape, cuboid, lathe, polygon, sweep};
 use glam::{Affine3A, Mat3, Vec2, Vec3};
 
 const UPPER_CORNICE: f32 = 9.82;

@@ -1,7 +1,7 @@
 //! Collects meshes and instances of the scene under construction.
 
 use super::materials::{Finish, has_normal_map};
-use crate::scene::shapes::Shape;
+use crate::scene::procedural::shapes::Shape;
 use crate::scene::{Instance, Mesh, SceneDescription};
 use glam::{Affine3A, Quat, Vec3};
 use std::collections::BTreeMap;

@@ -1,7 +1,7 @@
 //! A single object, as scanned or sculpted models are: a trefoil knot of worn metal before a backdrop, about 23,000 triangles.
 
 use super::shapes::{Shape, patch, polygon};
-use super::{Instance, Material, Mesh, SceneCamera, SceneDescription};
+use crate::scene::{Instance, Material, Mesh, SceneCamera, SceneDescription};
 use glam::{Affine3A, Vec2, Vec3, Vec4};
 use std::f32::consts::TAU;
 

@@ -3,7 +3,7 @@
 use super::kit::{Kit, Part};
 use super::materials::Finish;
 use super::plan::{BAY, BAYS, HALF_LENGTH, VAULT_ANGLE, VAULT_CROWN, VAULT_RADIUS, bay_centers};
-use crate::scene::shapes::{Outline, Shape, lathe, patch, sweep};
+use crate::scene::procedural::shapes::{Outline, Shape, lathe, patch, sweep};
 use glam::{Affine3A, Mat3, Quat, Vec3};
 use std::f32::consts::PI;
 

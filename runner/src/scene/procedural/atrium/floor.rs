@@ -3,7 +3,7 @@
 use super::kit::{Kit, Part};
 use super::materials::Finish;
 use super::plan::{BAY, HALF_LENGTH, NAVE, WALL};
-use crate::scene::shapes::{Shape, bevelled_slab, polygon};
+use crate::scene::procedural::shapes::{Shape, bevelled_slab, polygon};
 use glam::{Vec2, Vec3};
 use std::f32::consts::TAU;
 

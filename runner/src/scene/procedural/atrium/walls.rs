@@ -7,7 +7,7 @@ use super::plan::{
     bay_centers,
 };
 use super::wall::{MOULDING, Opening, arched_wall, niche, panel, reveal, surround};
-use crate::scene::shapes::{
+use crate::scene::procedural::shapes::{
     Outline, Profile, Shape, bevelled_cuboid, cuboid, lathe, polygon, sphere, sweep, tube,
 };
 use glam::{Affine3A, Mat3, Vec3};

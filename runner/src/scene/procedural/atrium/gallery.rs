@@ -3,7 +3,9 @@
 use super::kit::{Kit, Part};
 use super::materials::Finish;
 use super::plan::{AISLE_CEILING, BAY, BAYS, GALLERY_CEILING, GALLERY_FLOOR, HALF_LENGTH, NAVE, RAIL, WALL};
-use crate::scene::shapes::{Outline, Profile, Shape, bevelled_slab, cuboid, lathe, polygon, sweep};
+use crate::scene::procedural::shapes::{
+    Outline, Profile, Shape, bevelled_slab, cuboid, lathe, polygon, sweep,
+};
 use glam::{Affine3A, Mat3, Vec2, Vec3};
 
 /// Balusters between two pedestals.

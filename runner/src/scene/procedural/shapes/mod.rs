@@ -8,7 +8,7 @@ pub use curved::{lathe, patch, planar_tube, sphere, sweep, tube, tube_section};
 pub use flat::{bevelled_cuboid, bevelled_slab, cuboid, polygon, square_turned};
 pub use profile::{Outline, Profile};
 
-use super::Primitive;
+use crate::scene::Primitive;
 use glam::{Affine3A, Mat3, Vec2, Vec3, Vec4};
 
 /// Triangles below this area (m²) are left out: poles of turned shapes, folded tips.

@@ -3,7 +3,7 @@
 use super::kit::{Kit, Part};
 use super::materials::Finish;
 use super::plan::{BAY, BAYS, GALLERY_FLOOR, HALF_LENGTH, NAVE, RAIL, SPRING, UPPER_SPRING, column_lines};
-use crate::scene::shapes::{Outline, Shape, lathe, patch, square_turned, tube_section};
+use crate::scene::procedural::shapes::{Outline, Shape, lathe, patch, square_turned, tube_section};
 use glam::{Affine3A, Quat, Vec2, Vec3};
 use std::f32::consts::{PI, TAU};
 

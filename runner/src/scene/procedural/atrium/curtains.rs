@@ -3,7 +3,7 @@
 use super::kit::{Kit, Part, turned};
 use super::materials::Finish;
 use super::plan::{BAY, NAVE, bay_centers};
-use crate::scene::shapes::{Shape, patch, sphere, tube};
+use crate::scene::procedural::shapes::{Shape, patch, sphere, tube};
 use glam::{Affine3A, Vec3};
 use std::f32::consts::{PI, TAU};
 

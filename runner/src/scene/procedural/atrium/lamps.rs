@@ -8,7 +8,7 @@ use super::plan::{
     column_lines,
 };
 use super::vault::point_on_vault;
-use crate::scene::shapes::{Outline, Shape, lathe, planar_tube, sphere, tube};
+use crate::scene::procedural::shapes::{Outline, Shape, lathe, planar_tube, sphere, tube};
 use glam::{Affine3A, Mat3, Quat, Vec2, Vec3, Vec3Swizzles};
 use std::f32::consts::{PI, TAU};
 

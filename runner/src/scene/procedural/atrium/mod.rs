@@ -16,7 +16,7 @@ mod vault;
 mod wall;
 mod walls;
 
-use super::{SceneCamera, SceneDescription};
+use crate::scene::{SceneCamera, SceneDescription};
 use glam::Vec3;
 
 /// Lights of the hall where nothing else is said: one for each lamp.

@@ -43,15 +43,26 @@ fn moderate_color(hue: f32) -> Vec3 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::scene;
     use super::*;
+    use crate::scene::procedural::shapes::cuboid;
+    use crate::scene::{Instance, Mesh};
     use glam::Affine3A;
+
+    /// A box of 2 x 4 x 6 m, enlarged.
+    fn scene(scale: f32) -> SceneDescription {
+        let walls = cuboid(Vec3::ZERO, Vec3::new(2.0, 4.0, 6.0)).into_primitive(0, false);
+        let transform = Affine3A::from_scale(Vec3::splat(scale));
+        SceneDescription {
+            meshes: vec![Mesh { name: "box".into(), primitives: vec![walls] }],
+            instances: vec![Instance { name: "box".into(), mesh: 0, transform }],
+            ..SceneDescription::default()
+        }
+    }
 
     #[test]
     fn scattered_lights_are_repeatable_and_inside() {
         let lights = |count, seed| {
-            let mut scene = scene();
-            scene.point_lights.clear();
+            let mut scene = scene(1.0);
             scatter(&mut scene, count, seed);
             (scene.bounds(), scene.point_lights)
         };
@@ -74,10 +85,7 @@ mod tests {
     #[test]
     fn scattered_flux_depends_on_neither_count_nor_size() {
         for (count, scale) in [(1, 1.0), (100, 1.0), (100, 10.0)] {
-            let mut scene = scene();
-            scene.point_lights.clear();
-            scene.instances.truncate(1);
-            scene.instances[0].transform = Affine3A::from_scale(Vec3::splat(scale));
+            let mut scene = scene(scale);
             scatter(&mut scene, count, 1);
             let flux: f32 = scene.point_lights.iter().map(|l| 4.0 * PI * luminance(l.intensity)).sum();
             // The box of 2 x 4 x 6 m has 88 m².

@@ -1,6 +1,6 @@
 //! Walls with arched openings: the geometry that arcades, niches, doors and windows share.
 
-use crate::scene::shapes::{Profile, Shape, patch, polygon, sweep};
+use crate::scene::procedural::shapes::{Profile, Shape, patch, polygon, sweep};
 use glam::{Affine3A, Mat3, Vec2, Vec3};
 use std::f32::consts::PI;
 
