@@ -1,6 +1,5 @@
-//! What this machine is and has, read from files and dpkg in a few milliseconds.
+//! What this machine is and has, asked of files, dpkg and apt in some ten milliseconds.
 
-use super::apt::{self, Source};
 use crate::command;
 use std::collections::BTreeMap;
 use std::fs;
@@ -23,6 +22,14 @@ pub struct Machine {
     pub sources: Vec<Source>,
 }
 
+/// A package source with Debian's `main` component.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Source {
+    pub uri: String,
+    /// A release's codename, `-backports` and so on behind it.
+    pub suite: String,
+}
+
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum System {
     /// Debian, Ubuntu or what is made from them: apt works. The codename is the release's, like `bookworm`.
@@ -40,7 +47,7 @@ impl Machine {
         Self {
             gpu: gpu(Path::new("/")),
             packages: if debian { packages() } else { BTreeMap::new() },
-            sources: if debian { sources(Path::new("/etc/apt")) } else { Vec::new() },
+            sources: if debian { sources() } else { Vec::new() },
             system,
         }
     }
@@ -108,19 +115,22 @@ fn parse_packages(text: &str) -> BTreeMap<String, String> {
         .collect()
 }
 
-/// `apt`: the directory /etc/apt.
-fn sources(apt: &Path) -> Vec<Source> {
-    let mut files = vec![apt.join("sources.list")];
-    files.extend(list(&apt.join("sources.list.d")));
-    let parse = |path: &PathBuf| {
-        let text = fs::read_to_string(path).ok()?;
-        match path.extension()?.to_str()? {
-            "list" => Some(apt::parse_list(&text)),
-            "sources" => Some(apt::parse_deb822(&text)),
+/// As apt itself reads its files, before any `update`. An architecture each has a line.
+fn sources() -> Vec<Source> {
+    let format = "$(REPO_URI) $(RELEASE) $(COMPONENT)";
+    let query = ["indextargets", "--no-release-info", "--format", format, "Created-By: Packages"];
+    parse_sources(&command::try_output(command::program("apt-get").args(query)).unwrap_or_default())
+}
+
+/// Lines of `uri suite component`.
+fn parse_sources(text: &str) -> Vec<Source> {
+    let words = text.lines().map(|line| line.split_whitespace().collect::<Vec<_>>());
+    words
+        .filter_map(|words| match words[..] {
+            [uri, suite, "main"] => Some(Source { uri: uri.into(), suite: suite.into() }),
             _ => None,
-        }
-    };
-    files.iter().filter_map(parse).flatten().collect()
+        })
+        .collect()
 }
 
 /// The directory's entries in order; none if it can't be read.
@@ -196,18 +206,10 @@ mod tests {
     }
 
     #[test]
-    fn sources_of_both_formats_and_no_other_file() {
-        let line = "deb http://a.example/debian bookworm main\n";
-        let stanza = "Types: deb\nURIs: http://b.example/debian\nSuites: bookworm\nComponents: main\n";
-        let files = [
-            ("sources.list", line),
-            ("sources.list.d/b.sources", stanza),
-            ("sources.list.d/c.list.disabled", line),
-            ("sources.list.d/d.list.save", line),
-        ];
-        let root = tree("apt", &files);
-        let uris: Vec<_> = sources(&root).into_iter().flat_map(|source| source.uris).collect();
-        fs::remove_dir_all(&root).unwrap();
-        assert_eq!(uris, ["http://a.example/debian", "http://b.example/debian"]);
+    fn sources_are_those_with_main() {
+        let text =
+            "http://a.example/debian/ bookworm main\nhttp://a.example/debian/ bookworm contrib\nE: broken\n";
+        let main = Source { uri: "http://a.example/debian/".into(), suite: "bookworm".into() };
+        assert_eq!(parse_sources(text), [main]);
     }
 }

@@ -1,6 +1,5 @@
 //! `cargo xtask setup`: look at the machine, decide, act. Only [`machine`] looks and only this file acts.
 
-mod apt;
 mod machine;
 mod plan;
 

@@ -1,9 +1,8 @@
 //! Decides what is missing and which commands bring it. Pure: no file is read and nothing is run.
 
 use super::Options;
-use super::apt;
 use super::machine::{DISPLAY, LOADER, MESA, Machine, System, VALIDATION};
-use anyhow::Result;
+use anyhow::{Context, Result};
 
 /// The first Mesa whose lavapipe has VK_KHR_ray_tracing_pipeline (Mesa 24.1.0 release notes, May 2024).
 const RAY_TRACING_MESA: (u32, u32) = (24, 1);
@@ -112,9 +111,18 @@ fn apt_actions(packages: &[&str], suite: Option<&str>) -> Vec<Action> {
 
 fn backports_actions(machine: &Machine, codename: &str, missing: &[&str]) -> Result<Vec<Action>> {
     let suite = format!("{codename}-backports");
+    let uri_of = |suite: &str| machine.sources.iter().find(|s| s.suite == suite).map(|s| &s.uri);
     let mut actions = Vec::new();
-    if !apt::offers(&machine.sources, &suite) {
-        actions.push(Action::write(BACKPORTS_FILE, apt::backports_file(&machine.sources, codename)?));
+    if uri_of(&suite).is_none() {
+        // The machine's own mirror.
+        let uri = uri_of(codename).with_context(|| {
+            format!(
+                "no apt source serves '{codename} main'; add one for {suite} by hand, then run this again"
+            )
+        })?;
+        let source = format!("Types: deb\nURIs: {uri}\nSuites: {suite}\nComponents: main\n");
+        let why = "# Candela: a Mesa whose software driver traces rays (cargo xtask setup).\n";
+        actions.push(Action::write(BACKPORTS_FILE, format!("{why}{source}")));
     }
     actions.extend(apt_actions(&[missing, &[MESA]].concat(), Some(&suite)));
     Ok(actions)
@@ -132,12 +140,16 @@ fn traces_rays(version: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::setup::machine::Source;
 
     const PLAIN: Options = Options { tests: false, software: false };
     const TESTS: Options = Options { tests: true, software: false };
 
+    fn source(suite: &str) -> Source {
+        Source { uri: "http://mirror.example/debian/".into(), suite: suite.into() }
+    }
+
     fn debian(codename: &str, packages: &[(&str, &str)]) -> Machine {
-        let mirror = "deb [signed-by=/k.gpg] http://mirror.example/debian bookworm main";
         Machine {
             system: System::Debian { codename: codename.into() },
             gpu: None,
@@ -145,7 +157,7 @@ mod tests {
                 .iter()
                 .map(|(name, version)| (name.to_string(), version.to_string()))
                 .collect(),
-            sources: apt::parse_list(mirror),
+            sources: vec![source("bookworm")],
         }
     }
 
@@ -205,10 +217,10 @@ mod tests {
             "{source}"
         );
         assert!(
-            source.contains("\nURIs: http://mirror.example/debian\nSuites: bookworm-backports\n"),
+            source.contains("\nURIs: http://mirror.example/debian/\nSuites: bookworm-backports\n"),
             "{source}"
         );
-        assert!(source.ends_with("\nSigned-By: /k.gpg\nEND"), "{source}");
+        assert!(source.ends_with("\nComponents: main\nEND"), "{source}");
         assert_eq!(update, UPDATE);
         assert_eq!(
             install,
@@ -222,7 +234,7 @@ mod tests {
     #[test]
     fn debian_12_with_its_old_mesa_is_upgraded_and_a_known_source_is_not_added_twice() {
         let mut machine = debian("bookworm", &[(LOADER, "1.3.239.0-1"), (MESA, "22.3.6-1+deb12u2")]);
-        machine.sources.extend(apt::parse_list("deb http://b.example/debian bookworm-backports main"));
+        machine.sources.push(source("bookworm-backports"));
         let install = format!("{INSTALL} -t bookworm-backports mesa-vulkan-drivers");
         assert_eq!(commands(&machine, &PLAIN), [UPDATE.to_string(), install]);
     }
