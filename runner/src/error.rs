@@ -1,15 +1,35 @@
-//! Errors that a user can meet: each names its resource, what is wrong with it and what to do.
+//! Errors that a user can meet: each names its resource, what is wrong with it and what to do, and has a kind, which is the
+//! program's exit code.
 
-use std::path::PathBuf;
+use std::fmt::Display;
+use std::io;
+use std::path::{Path, PathBuf};
+
+pub type Result<T, E = Error> = std::result::Result<T, E>;
 
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// A scene file that can't be drawn.
-    #[error("{}: {reason}", path.display())]
-    Scene { path: PathBuf, reason: String },
+    /// What was asked for can't be done, whatever the machine.
+    #[error("{0}")]
+    Usage(String),
 
-    #[error("{}: can't {action}: {source}", path.display())]
-    File { path: PathBuf, action: &'static str, source: std::io::Error },
+    /// A scene, picture, plan, document or script that can be read and is wrong.
+    #[error("{}: {reason}", path.display())]
+    Input { path: PathBuf, reason: String },
+
+    #[error("{}: can't read: {source}", path.display())]
+    Read { path: PathBuf, source: io::Error },
+
+    #[error("{}: can't write: {source}", path.display())]
+    Write { path: PathBuf, source: io::Error },
+
+    /// Everything ran, and what it was to find out is bad.
+    #[error("{0}")]
+    Check(String),
+
+    /// A limit or a missing ability of this device, its driver or the display.
+    #[error("{0}")]
+    Unsupported(String),
 
     #[error(
         "no Vulkan loader (libvulkan.so.1): {0}; install your GPU's driver, or `cargo xtask setup` for the software one"
@@ -25,18 +45,137 @@ pub enum Error {
     )]
     OutOfMemory { what: String, bytes: u64, device: &'static str },
 
+    #[error("can't start a thread to {to}: {source}")]
+    NoThread { to: &'static str, source: io::Error },
+
     #[error("device lost in pass '{0}': the GPU was reset or the driver failed")]
     DeviceLost(String),
 
     #[error("Vulkan: {what}: {result}")]
     Vulkan { what: String, result: ash::vk::Result },
 
+    /// What libraries between us and the device or the display say.
     #[error("{0}")]
-    Usage(String),
+    Platform(String),
+
+    #[error("internal error: {0}; please report it")]
+    Internal(String),
 }
 
-pub type Result<T, E = Error> = std::result::Result<T, E>;
+/// What an error means for whoever started the program: its exit code.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Kind {
+    Check = 1,
+    /// Also that of clap.
+    Input = 2,
+    Output = 3,
+    Unsupported = 4,
+    Exhausted = 5,
+    Platform = 6,
+    Internal = 7,
+}
+
+impl Kind {
+    pub const ALL: [Kind; 7] = [
+        Kind::Check,
+        Kind::Input,
+        Kind::Output,
+        Kind::Unsupported,
+        Kind::Exhausted,
+        Kind::Platform,
+        Kind::Internal,
+    ];
+
+    pub fn exit_code(self) -> u8 {
+        self as u8
+    }
+
+    /// For `--help` and docs/command-line.md.
+    pub fn meaning(self) -> &'static str {
+        match self {
+            Kind::Check => {
+                "a check failed: points of a sweep, the validation layer (--validate), a script's expectation"
+            }
+            Kind::Input => "bad input: the command line, or a file that it names is missing or wrong",
+            Kind::Output => "a file or folder can't be written",
+            Kind::Unsupported => {
+                "this machine can't: no Vulkan, no device that traces rays, no display, a limit of the device"
+            }
+            Kind::Exhausted => "out of memory or threads",
+            Kind::Platform => "the device, its driver or the window system failed",
+            Kind::Internal => "a fault of the program: please report it",
+        }
+    }
+}
+
+impl Error {
+    pub fn kind(&self) -> Kind {
+        match self {
+            Error::Usage(_) | Error::Input { .. } | Error::Read { .. } => Kind::Input,
+            Error::Write { .. } => Kind::Output,
+            Error::Check(_) => Kind::Check,
+            Error::Unsupported(_) | Error::NoLoader(_) | Error::NoDevice { .. } => Kind::Unsupported,
+            Error::OutOfMemory { .. } | Error::NoThread { .. } => Kind::Exhausted,
+            Error::DeviceLost(_) | Error::Vulkan { .. } | Error::Platform(_) => Kind::Platform,
+            Error::Internal(_) => Kind::Internal,
+        }
+    }
+
+    /// For `map_err`: what is wrong in the file at `path`.
+    pub fn input<R: Display>(path: &Path) -> impl Fn(R) -> Error {
+        move |reason| Error::Input { path: path.into(), reason: reason.to_string() }
+    }
+
+    /// For `map_err`: the file at `path` can't be read.
+    pub fn read(path: &Path) -> impl Fn(io::Error) -> Error {
+        move |source| Error::Read { path: path.into(), source }
+    }
+
+    /// For `map_err`: the file or folder at `path` can't be written.
+    pub fn write(path: &Path) -> impl Fn(io::Error) -> Error {
+        move |source| Error::Write { path: path.into(), source }
+    }
+
+    /// For `map_err`: what only a fault of the program can bring about.
+    pub fn internal(error: impl Display) -> Error {
+        Error::Internal(error.to_string())
+    }
+}
 
 fn seen_devices(seen: &[String]) -> String {
     if seen.is_empty() { " (none was found)".into() } else { format!(" ({})", seen.join("; ")) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What scripts rely on.
+    #[test]
+    fn each_kind_has_its_exit_code() {
+        assert_eq!(Kind::ALL.map(Kind::exit_code), [1, 2, 3, 4, 5, 6, 7]);
+        let path = Path::new("a");
+        let text = || "b".to_owned();
+        let io = || io::Error::other("c");
+        let lost = ash::vk::Result::ERROR_INITIALIZATION_FAILED;
+        for (error, code) in [
+            (Error::Check(text()), 1),
+            (Error::Usage(text()), 2),
+            (Error::input(path)("b"), 2),
+            (Error::read(path)(io()), 2),
+            (Error::write(path)(io()), 3),
+            (Error::Unsupported(text()), 4),
+            (Error::NoLoader(text()), 4),
+            (Error::NoDevice { seen: Vec::new() }, 4),
+            (Error::OutOfMemory { what: text(), bytes: 1, device: "the GPU" }, 5),
+            (Error::NoThread { to: "wait", source: io() }, 5),
+            (Error::DeviceLost(text()), 6),
+            (Error::Vulkan { what: text(), result: lost }, 6),
+            (Error::Platform(text()), 6),
+            (Error::internal("b"), 7),
+        ] {
+            assert_eq!(error.kind().exit_code(), code, "{error}");
+        }
+    }
 }

@@ -3,7 +3,7 @@
 use crate::error::{Error, Result};
 use glam::{UVec2, Vec3};
 use image::{ImageFormat, Rgb, Rgb32FImage, RgbaImage};
-use std::io::Cursor;
+use std::io::{self, Cursor};
 use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
 
@@ -41,29 +41,23 @@ pub fn check_folder(directory: &Path) -> Result<()> {
 }
 
 pub fn create_folder(directory: &Path) -> Result<()> {
-    std::fs::create_dir_all(directory).map_err(|source| Error::File {
-        path: directory.into(),
-        action: "create the folder",
-        source,
-    })
+    std::fs::create_dir_all(directory).map_err(Error::write(directory))
 }
 
 fn check_file(path: &Path) -> Result<()> {
-    let failed = |source| Error::File { path: path.into(), action: "write", source };
     let partial = partial(path);
-    std::fs::write(&partial, []).map_err(failed)?;
-    std::fs::remove_file(&partial).map_err(failed)
+    std::fs::write(&partial, []).and_then(|()| std::fs::remove_file(&partial)).map_err(Error::write(path))
 }
 
 /// Writes display values (RGBA8, red lowest, rows from the top).
 pub fn write_png(path: &Path, size: UVec2, display: &[u32]) -> Result<()> {
     let bytes = bytemuck::cast_slice(display).to_vec();
     let picture = RgbaImage::from_raw(size.x, size.y, bytes)
-        .ok_or_else(|| Error::Usage("the picture's size does not match its pixels".into()))?;
+        .ok_or_else(|| Error::Internal("the picture's size does not match its pixels".into()))?;
     // Opaque: viewers need no alpha.
     let picture = image::DynamicImage::ImageRgba8(picture).into_rgb8();
     let mut encoded = Cursor::new(Vec::new());
-    picture.write_to(&mut encoded, ImageFormat::Png).map_err(|e| encoding(path, e))?;
+    picture.write_to(&mut encoded, ImageFormat::Png).map_err(|e| Error::write(path)(io::Error::other(e)))?;
     replace(path, encoded.get_ref())
 }
 
@@ -72,19 +66,24 @@ pub fn write_exr(path: &Path, size: UVec2, radiance: &[Vec3]) -> Result<()> {
     let picture =
         Rgb32FImage::from_fn(size.x, size.y, |x, y| Rgb(radiance[(y * size.x + x) as usize].to_array()));
     let mut encoded = Cursor::new(Vec::new());
-    picture.write_to(&mut encoded, ImageFormat::OpenExr).map_err(|e| encoding(path, e))?;
+    picture
+        .write_to(&mut encoded, ImageFormat::OpenExr)
+        .map_err(|e| Error::write(path)(io::Error::other(e)))?;
     replace(path, encoded.get_ref())
 }
 
 /// Reads an EXR file back: size and radiance.
 pub fn read_exr(path: &Path) -> Result<(UVec2, Vec<Vec3>)> {
-    let picture = image::open(path).map_err(|e| encoding(path, e))?.into_rgb32f();
+    let picture = image::open(path).map_err(|e| undecodable(path, e))?.into_rgb32f();
     let size = UVec2::new(picture.width(), picture.height());
     Ok((size, picture.pixels().map(|p| Vec3::from_array(p.0)).collect()))
 }
 
-fn encoding(path: &Path, error: image::ImageError) -> Error {
-    Error::File { path: path.into(), action: "encode or decode", source: std::io::Error::other(error) }
+fn undecodable(path: &Path, error: image::ImageError) -> Error {
+    match error {
+        image::ImageError::IoError(error) => Error::read(path)(error),
+        broken => Error::input(path)(broken),
+    }
 }
 
 /// Where a file is written before it has its name; jobs on several machines may write the same file.
@@ -97,13 +96,12 @@ fn partial(path: &Path) -> PathBuf {
 
 /// Writes beside and renames, so that a reader never sees half a picture.
 pub fn replace(path: &Path, bytes: &[u8]) -> Result<()> {
-    let failed = |source| Error::File { path: path.into(), action: "write", source };
     let partial = partial(path);
     let written = std::fs::write(&partial, bytes).and_then(|()| std::fs::rename(&partial, path));
     written.map_err(|source| {
         // Half a file is no use to anyone.
         let _ = std::fs::remove_file(&partial);
-        failed(source)
+        Error::write(path)(source)
     })
 }
 
@@ -115,6 +113,6 @@ pub fn jpeg(size: UVec2, color: impl Fn(u32, u32) -> Vec3) -> Result<Vec<u8>> {
     let mut encoded = Vec::new();
     image::codecs::jpeg::JpegEncoder::new_with_quality(&mut encoded, 90)
         .encode_image(&picture)
-        .map_err(|e| Error::Usage(format!("can't encode a picture: {e}")))?;
+        .map_err(|e| Error::Internal(format!("can't encode a picture: {e}")))?;
     Ok(encoded)
 }

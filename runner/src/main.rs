@@ -3,8 +3,6 @@ use clap::Parser;
 use std::process::ExitCode;
 use tracing_subscriber::EnvFilter;
 
-/// Bad input: clap uses the same code.
-const BAD_INPUT: u8 = 2;
 /// What a shell says of a program that SIGPIPE has ended.
 const NOBODY_READS: i32 = 141;
 
@@ -21,7 +19,7 @@ fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("error: {error}");
-            ExitCode::from(BAD_INPUT)
+            ExitCode::from(error.kind().exit_code())
         }
     }
 }

@@ -131,14 +131,9 @@ impl From<&Settings> for SettingsFile {
 impl SettingsFile {
     /// Reads a JSON document.
     pub fn read(path: &Path) -> Result<Self> {
-        let text = std::fs::read_to_string(path).map_err(|source| Error::File {
-            path: path.into(),
-            action: "read",
-            source,
-        })?;
-        let wrong = |reason: String| Error::Usage(format!("{}: {reason}", path.display()));
-        let file: SettingsFile = serde_json::from_str(&text).map_err(|e| wrong(e.to_string()))?;
-        file.check().map_err(wrong)?;
+        let text = std::fs::read_to_string(path).map_err(Error::read(path))?;
+        let file: SettingsFile = serde_json::from_str(&text).map_err(Error::input(path))?;
+        file.check().map_err(Error::input(path))?;
         Ok(file)
     }
 

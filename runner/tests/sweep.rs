@@ -221,7 +221,7 @@ fn a_failing_point_does_not_end_a_sweep() {
         eprintln!("skipped: {errors}");
         return;
     }
-    assert_eq!(output.status.code(), Some(2), "{errors}");
+    assert_eq!(output.status.code(), Some(1), "{errors}");
     assert!(
         errors.contains("2 of 3 points failed, the first: ") && errors.contains("missing.glb"),
         "{errors}"

@@ -39,6 +39,8 @@ enum Task {
     Bench,
     /// Fill the tables of docs/results.md from docs/results
     Results,
+    /// Fill the tables of docs/command-line.md from the program
+    Docs,
 }
 
 fn main() -> ExitCode {
@@ -60,6 +62,7 @@ fn run(task: Task) -> Result<()> {
         Task::Models => models::run(),
         Task::Fixtures => candela(&["fixtures", "assets/scenes"]),
         Task::Bench => candela(&["sweep", "bench", "-o", "out/bench"]),
+        Task::Docs => candela(&["page", "docs/command-line.md"]),
         Task::Results => candela(&["report", "docs/results", "--markdown", "docs/results.md"]),
     }
 }

@@ -42,7 +42,7 @@ pub fn run(args: &CompareArgs) -> Result<()> {
     }
     let (metrics, flip) = metrics::with_flip(&picture, &reference, size);
     if args.json {
-        println!("{}", serde_json::to_string_pretty(&metrics).map_err(|e| Error::Usage(e.to_string()))?);
+        println!("{}", serde_json::to_string_pretty(&metrics).map_err(Error::internal)?);
     } else {
         print(&metrics);
     }

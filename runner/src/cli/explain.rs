@@ -83,8 +83,7 @@ pub fn run(args: &ExplainArgs) -> Result<()> {
     let (recorder, history) = renderer.parts();
     let explanation = next_frame(recorder, history, &stage.world, camera, &options, pixel)?;
     if args.json {
-        let json = serde_json::to_string_pretty(&explanation)
-            .map_err(|e| Error::Usage(format!("the explanation can't be written as JSON: {e}")))?;
+        let json = serde_json::to_string_pretty(&explanation).map_err(Error::internal)?;
         println!("{json}");
     } else {
         print!("{explanation}");

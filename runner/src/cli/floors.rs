@@ -47,7 +47,7 @@ pub fn run(args: &FloorsArgs) -> Result<()> {
     let frame = floors::Frame { camera, settings, primary: knobs.primary };
     let floors = floors::measure(&mut renderer, &lights, frame, args.frames)?;
     if args.json {
-        println!("{}", serde_json::to_string_pretty(&floors).map_err(|e| Error::Usage(e.to_string()))?);
+        println!("{}", serde_json::to_string_pretty(&floors).map_err(Error::internal)?);
     } else {
         let size = args.size;
         println!(

@@ -8,6 +8,7 @@ mod fixtures;
 mod floors;
 mod info;
 mod output;
+mod page;
 mod pipelines;
 mod progress;
 mod reference;
@@ -39,6 +40,7 @@ pub fn run(cli: Cli) -> Result<()> {
         Command::Report(args) => report::run(&args),
         Command::Export(args) => export::run(&args),
         Command::Explain(args) => explain::run(&args),
+        Command::Page { page } => page::update(&page),
         Command::Fixtures { directory } => fixtures::run(&directory),
     }
 }

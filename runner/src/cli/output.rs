@@ -41,7 +41,7 @@ pub fn check_validation(device: &Device) -> Result<()> {
     match messages.first() {
         None => Ok(()),
         Some(first) => {
-            Err(Error::Usage(format!("{} validation messages, the first: {first}", messages.len())))
+            Err(Error::Check(format!("{} validation messages, the first: {first}", messages.len())))
         }
     }
 }

@@ -102,7 +102,7 @@ pub fn run(args: &SweepArgs) -> Result<()> {
         None => device.as_ref().map_or(Ok(()), output::check_validation),
         Some(first) => {
             let count = failed.len();
-            Err(Error::Usage(format!("{count} of {total} points failed, the first: {first}")))
+            Err(Error::Check(format!("{count} of {total} points failed, the first: {first}")))
         }
     }
 }

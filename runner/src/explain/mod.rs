@@ -260,7 +260,7 @@ impl<'a> Witness<'a> {
     fn explanation(self, device: &str, history: &History) -> Result<Explanation> {
         let radiance = self.radiance(history)?.to_array();
         let Some(frame) = self.frame else {
-            return Err(Error::Usage("the frame has no G-buffer pass: nothing to explain".into()));
+            return Err(Error::Internal("the frame has no G-buffer pass: nothing to explain".into()));
         };
         let seen = self.seen(&frame);
         let texel = self.gbuffer[frame.pixel_index(self.pixel) as usize];

@@ -108,7 +108,7 @@ impl History {
         let place = step.pass.uses.iter().position(|&(used, _)| used == role);
         match place.and_then(|place| step.buffers.get(place)) {
             Some(&buffer) => self.read(buffer),
-            None => Err(Error::Usage(format!("pass '{}' has no {role:?} to read", step.pass.stem))),
+            None => Err(Error::Internal(format!("pass '{}' has no {role:?} to read", step.pass.stem))),
         }
     }
 

@@ -175,7 +175,7 @@ impl GroupCode {
 
 impl Code {
     fn load(stem: &str) -> Result<Self> {
-        let missing = || Error::Usage(format!("no shader '{stem}' in this program"));
+        let missing = || Error::Internal(format!("no shader '{stem}' in this program"));
         let bytes = shader_library::spirv(stem).ok_or_else(missing)?;
         let spirv = bytes.chunks_exact(4).map(|w| u32::from_le_bytes([w[0], w[1], w[2], w[3]])).collect();
         Ok(Code { spirv, entry: CString::new(stem).map_err(|_| missing())? })
@@ -218,7 +218,7 @@ impl PassPipeline {
             }
             PassPipeline::Rays(pipeline) => pipeline.trace(cmd, [size.x, size.y, depth]),
             PassPipeline::Raster(_) => {
-                Err(Error::Usage(format!("pass '{}' has nothing to draw into", pass.stem)))
+                Err(Error::Internal(format!("pass '{}' has nothing to draw into", pass.stem)))
             }
         }
     }

@@ -168,7 +168,7 @@ impl Recorder {
         };
         if settings.reservoirs > history.reservoirs() {
             let (asked, has) = (settings.reservoirs, history.reservoirs());
-            return Err(Error::Usage(format!(
+            return Err(Error::Internal(format!(
                 "{asked} reservoirs a pixel asked of a renderer made for {has}"
             )));
         }
@@ -263,7 +263,7 @@ impl Recorder {
         step: &Step,
     ) -> Result<()> {
         let Some(pass) = self.pipelines.get(step.pass) else {
-            return Err(Error::Usage(format!("pass '{}' was not prepared", step.pass.stem)));
+            return Err(Error::Internal(format!("pass '{}' was not prepared", step.pass.stem)));
         };
         let mut set = PushSet::new().uniform_buffer(frame_binding::CONSTANTS, &self.constants);
         for (&(role, _), &buffer) in step.pass.uses.iter().zip(&step.buffers) {

@@ -170,7 +170,7 @@ impl SceneArrays {
 /// Indices are 32 bits wide on the GPU.
 fn index32(n: usize) -> Result<u32> {
     u32::try_from(n)
-        .map_err(|_| Error::Usage(format!("the scene has too many elements for 32-bit indices ({n})")))
+        .map_err(|_| Error::Unsupported(format!("the scene has too many elements for 32-bit indices ({n})")))
 }
 
 fn attributes(primitive: &Primitive, i: usize) -> VertexAttributes {

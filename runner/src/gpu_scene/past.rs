@@ -106,7 +106,7 @@ impl GpuScene {
         let table = LightTable::new(scene);
         if table.lights.iter().any(|light| self.features & features::light_kind(light.kind) == 0) {
             let reason = "lights of a new kind: the scene has to be made anew with them";
-            return Err(Error::Usage(reason.into()));
+            return Err(Error::Internal(reason.into()));
         }
         let [mut to_current, _] = light_maps(&past.table, &table, edits);
         if past.now.lights_replaced {

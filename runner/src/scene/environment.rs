@@ -42,11 +42,10 @@ pub fn load(path: &Path, scale: f32) -> Result<(Environment, Option<String>)> {
     if path.as_os_str() == STUDIO {
         return Ok((studio(scale), None));
     }
-    let bytes =
-        std::fs::read(path).map_err(|source| Error::File { path: path.into(), action: "read", source })?;
+    let bytes = std::fs::read(path).map_err(Error::read(path))?;
     let broken = |reason: String| {
         let reason = reason.replace(char::is_control, " ");
-        Error::Scene { path: path.into(), reason: format!("environment map: {reason}") }
+        Error::input(path)(format!("environment map: {reason}"))
     };
     let (size, mut radiance) = decode(&bytes).map_err(broken)?;
     let clamped = radiance.iter_mut().filter_map(|texel| clamp(texel, scale).then_some(())).count();

@@ -226,14 +226,14 @@ fn png(image: &Image) -> Result<Vec<u8>> {
     let Image { name, width, height, texels } = image;
     if texels.len() as u64 != u64::from(*width) * u64::from(*height) * 4 || texels.is_empty() {
         let bytes = texels.len();
-        return Err(Error::Usage(format!(
+        return Err(Error::Internal(format!(
             "texture '{name}': {bytes} bytes are not {width} x {height} RGBA texels"
         )));
     }
     let mut png = Vec::new();
     image::codecs::png::PngEncoder::new(&mut png)
         .write_image(texels, *width, *height, image::ExtendedColorType::Rgba8)
-        .map_err(|error| Error::Usage(format!("texture '{name}': can't be written as PNG: {error}")))?;
+        .map_err(|error| Error::Internal(format!("texture '{name}': can't be written as PNG: {error}")))?;
     Ok(png)
 }
 

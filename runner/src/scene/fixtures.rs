@@ -5,7 +5,8 @@ use super::animation::{Channel, Curve, Interpolation, Local, Node, Thing, Track}
 use super::export::to_glb;
 use super::procedural::shapes::{Shape, cuboid, polygon};
 use super::{Instance, Material, Mesh, PointLight, SceneCamera, SceneDescription};
-use crate::error::{Error, Result};
+use crate::error::Result;
+use crate::image_io;
 use glam::{Affine3A, DAffine3, DQuat, DVec3, DVec4, Mat3, Vec3, Vec4};
 use std::path::{Path, PathBuf};
 
@@ -23,17 +24,11 @@ pub fn all() -> Vec<(&'static str, SceneDescription)> {
 
 /// Writes each scene to `directory` as `<name>.glb`; a file that is there already is replaced as a whole.
 pub fn write_all(directory: &Path) -> Result<Vec<PathBuf>> {
-    let failed = |path: &Path, action| {
-        let path = path.to_owned();
-        move |source| Error::File { path, action, source }
-    };
-    std::fs::create_dir_all(directory).map_err(failed(directory, "make the directory"))?;
+    image_io::create_folder(directory)?;
     let mut paths = Vec::new();
     for (name, scene) in all() {
         let path = directory.join(format!("{name}.glb"));
-        let unfinished = directory.join(format!(".{name}.glb.{}", std::process::id()));
-        std::fs::write(&unfinished, to_glb(&scene)?).map_err(failed(&unfinished, "write"))?;
-        std::fs::rename(&unfinished, &path).map_err(failed(&path, "replace"))?;
+        image_io::replace(&path, &to_glb(&scene)?)?;
         paths.push(path);
     }
     Ok(paths)

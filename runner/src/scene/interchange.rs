@@ -17,11 +17,7 @@ const VERSION: u32 = 1;
 /// Writes `scene` as seen by `camera` into `directory`, which is made if it is not there. `scene.json` is written last, as
 /// a whole: a folder with one is complete.
 pub fn write(scene: &SceneDescription, camera: &SceneCamera, directory: &Path) -> Result<()> {
-    std::fs::create_dir_all(directory).map_err(|source| Error::File {
-        path: directory.into(),
-        action: "make the directory",
-        source,
-    })?;
+    image_io::create_folder(directory)?;
     let mut shapes = Vec::new();
     for instance in &scene.instances {
         for primitive in &scene.meshes[instance.mesh].primitives {

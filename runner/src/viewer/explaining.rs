@@ -48,8 +48,8 @@ impl Explaining {
                 let _ = give.send(frames);
                 Ok(Explaining { thread: Some(thread), pixel, since: Instant::now() })
             }
-            Err(e) => {
-                let error = Error::Usage(format!("can't start a thread to explain a pixel: {e}"));
+            Err(source) => {
+                let error = Error::NoThread { to: "explain a pixel", source };
                 Err(Box::new((frames, error)))
             }
         }
@@ -69,7 +69,7 @@ impl Explaining {
 
     /// The frames and the answer, waited for. Errors: the thread has died, and the frames with it.
     pub fn finish(mut self) -> Result<Found> {
-        let died = || Error::Usage("explaining the pixel failed unexpectedly".into());
+        let died = || Error::Internal("explaining the pixel failed unexpectedly".into());
         self.thread.take().and_then(|thread| thread.join().ok().flatten()).ok_or_else(died)
     }
 }

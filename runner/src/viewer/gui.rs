@@ -52,7 +52,7 @@ impl Gui {
             Some(side),
         );
         let target = Target::new(device, swapchain)?;
-        let allocator = device.allocator().ok_or_else(|| Error::Usage("the device is gone".into()))?;
+        let allocator = device.allocator().ok_or_else(|| Error::Internal("the device is gone".into()))?;
         let options = Options {
             in_flight_frames: frames,
             srgb_framebuffer: swapchain.encodes_srgb(),
@@ -208,6 +208,6 @@ fn gui_error(error: egui_ash_renderer::RendererError) -> Error {
         egui_ash_renderer::RendererError::Vulkan(vk::Result::ERROR_DEVICE_LOST) => {
             Error::DeviceLost("user interface".into())
         }
-        other => Error::Usage(format!("user interface: {other}")),
+        other => Error::Platform(format!("user interface: {other}")),
     }
 }

@@ -66,7 +66,7 @@ impl<T: Send + 'static> Loader<T> {
             .name("scene loader".into())
             // Nobody listens any more when another file was dropped meanwhile.
             .spawn(move || drop(sender.send(work(&for_thread, &its_progress))))
-            .map_err(|e| Error::Usage(format!("can't start a thread to load the scene: {e}")))?;
+            .map_err(|source| Error::NoThread { to: "load the scene", source })?;
         self.job = Some(Job { source, result, progress, since: Instant::now(), thread });
         Ok(())
     }
@@ -80,7 +80,7 @@ impl<T: Send + 'static> Loader<T> {
         };
         let Job { source, thread, .. } = self.job.take()?;
         let _ = thread.join();
-        let failed = || Err(Error::Usage(format!("{}: loading it failed unexpectedly", source.name())));
+        let failed = || Err(Error::Internal(format!("{}: loading it failed unexpectedly", source.name())));
         let result = result.unwrap_or_else(failed);
         Some((source, result))
     }

@@ -66,7 +66,7 @@ pub struct Display {
 impl Display {
     pub fn open(options: DeviceOptions) -> Result<Display> {
         let event_loop = EventLoop::new().map_err(|_| {
-            Error::Usage("no display to open a window on; candela render works without one".into())
+            Error::Unsupported("no display to open a window on; candela render works without one".into())
         })?;
         let window_extensions = window_extensions(&event_loop)?;
         let device = Device::new(&DeviceOptions { window_extensions, ..options })?;
@@ -78,7 +78,7 @@ impl Display {
         let mut app = app::App::new(start);
         self.event_loop
             .run_app(&mut app)
-            .map_err(|e| Error::Usage(format!("the window system failed: {e}")))?;
+            .map_err(|e| Error::Platform(format!("the window system failed: {e}")))?;
         app.failure.take().map_or(Ok(()), Err)
     }
 }

@@ -21,7 +21,7 @@ pub fn save(directory: &Path, frames: &Frames, state: &State) -> Result<String> 
     image_io::replace(&path.with_extension("json"), json.as_bytes())?;
     path.file_name()
         .map(|name| name.to_string_lossy().into_owned())
-        .ok_or_else(|| Error::Usage("the screenshot has no name".into()))
+        .ok_or_else(|| Error::Internal("the screenshot has no name".into()))
 }
 
 fn free_path(directory: &Path) -> PathBuf {

@@ -64,12 +64,8 @@ const MOST: u32 = 100_000;
 
 impl Script {
     pub fn read(path: &Path) -> Result<Script> {
-        let text = std::fs::read_to_string(path).map_err(|source| Error::File {
-            path: path.into(),
-            action: "read",
-            source,
-        })?;
-        Script::parse(&text).map_err(|reason| Error::Usage(format!("{}: {reason}", path.display())))
+        let text = std::fs::read_to_string(path).map_err(Error::read(path))?;
+        Script::parse(&text).map_err(Error::input(path))
     }
 
     fn parse(text: &str) -> Result<Script, String> {
@@ -104,7 +100,7 @@ impl Script {
     pub fn again(&mut self, event: Event) -> Result<()> {
         self.patience += 1;
         if self.patience > MOST {
-            return Err(Error::Usage(format!("script: {event:?} in vain")));
+            return Err(Error::Check(format!("script: {event:?} in vain")));
         }
         self.lines.push_front(Line::Event(event));
         self.wait = 1;

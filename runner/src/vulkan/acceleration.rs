@@ -299,7 +299,7 @@ fn check_limit(device: &Device, what: &str, count: u64, limit: u64) -> Result<()
         return Ok(());
     }
     let device = &device.info().name;
-    Err(Error::Usage(format!(
+    Err(Error::Unsupported(format!(
         "{what}: {count} are more than the {limit} that {device} can trace; split the scene"
     )))
 }
@@ -331,12 +331,12 @@ impl TlasInstance {
     pub(super) fn record(&self, set: &BlasSet) -> Result<InstanceRecord> {
         if self.custom_index >> 24 != 0 {
             let index = self.custom_index;
-            return Err(Error::Usage(format!(
+            return Err(Error::Unsupported(format!(
                 "instance index {index} is not below 2^24 (16777216); split the scene"
             )));
         }
         let Some(&blas) = set.addresses.get(self.blas) else {
-            return Err(Error::Usage(format!("an instance wants mesh {} of {}", self.blas, set.len())));
+            return Err(Error::Internal(format!("an instance wants mesh {} of {}", self.blas, set.len())));
         };
         Ok(InstanceRecord {
             transform: self.transform,

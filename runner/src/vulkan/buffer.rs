@@ -54,7 +54,7 @@ impl Buffer {
         let limit = device.limits().max_storage_buffer;
         if usage.contains(vk::BufferUsageFlags::STORAGE_BUFFER) && size > limit {
             let device = &device.info().name;
-            return Err(Error::Usage(format!(
+            return Err(Error::Unsupported(format!(
                 "buffer '{name}' needs {size} bytes, but {device} can bind only {limit}; use a smaller --size or scene"
             )));
         }
@@ -221,7 +221,7 @@ impl Buffer {
 
     fn out_of_range(&self, action: &str, offset: u64, bytes: usize) -> Error {
         let Buffer { name, size, .. } = self;
-        Error::Usage(format!(
+        Error::Internal(format!(
             "can't {action} {bytes} bytes at {offset} of buffer '{name}' ({size} bytes, mapped: {})",
             self.mapped().is_some()
         ))

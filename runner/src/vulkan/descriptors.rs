@@ -62,7 +62,7 @@ impl SetLayout {
         let limit = device.limits().max_textures;
         if let Some(array) = bindings.iter().find(|b| b.array && b.count > limit) {
             let (device, count) = (&device.info().name, array.count);
-            return Err(Error::Usage(format!(
+            return Err(Error::Unsupported(format!(
                 "the scene has {count} textures, but {device} can bind only {limit}"
             )));
         }

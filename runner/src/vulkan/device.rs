@@ -135,7 +135,7 @@ impl Device {
                 device.destroy_pipeline_cache(pipelines.handle, None);
                 device.destroy_device(None);
             }
-            Error::Usage(format!("{}: can't manage its memory: {e}", physical.info.name))
+            Error::Platform(format!("{}: can't manage its memory: {e}", physical.info.name))
         })?;
         // SAFETY: the device was created with one queue of this family.
         let queue = unsafe { device.get_device_queue(physical.queue_family, 0) };
@@ -276,7 +276,7 @@ impl Device {
         let desc = AllocationCreateDesc { name, requirements, location, linear, allocation_scheme: scheme };
         let allocation = allocator.allocate(&desc).map_err(|error| match error {
             AllocationError::OutOfMemory => out_of_memory(name, requirements.size, location),
-            other => Error::Usage(format!("{name}: can't allocate {} bytes: {other}", requirements.size)),
+            other => Error::Platform(format!("{name}: can't allocate {} bytes: {other}", requirements.size)),
         })?;
         self.0.memory_used.fetch_add(allocation.size(), Ordering::Relaxed);
         Ok(allocation)
@@ -292,7 +292,7 @@ impl Device {
     }
 
     fn lock_allocator(&self) -> Result<MutexGuard<'_, Allocator>> {
-        let allocator = self.allocator().ok_or_else(|| Error::Usage("the device is gone".into()))?;
+        let allocator = self.allocator().ok_or_else(|| Error::Internal("the device is gone".into()))?;
         Ok(allocator.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
@@ -460,7 +460,7 @@ mod tests {
             let region = vk::BufferCopy::default().size(4096);
             // SAFETY: not safe at all, but never submitted.
             unsafe { device.cmd_copy_buffer(cmd, source.handle(), target.handle(), &[region]) };
-            Err(Error::Usage("not submitted".into()))
+            Err(Error::Internal("not submitted".into()))
         });
         assert!(recorded.is_err());
         assert!(device.validation_messages().iter().any(|m| m.contains("vkCmdCopyBuffer")));

@@ -95,7 +95,7 @@ impl DrawTarget {
         let limit = device.limits().max_drawn_side;
         if size.max_element() > limit {
             let device = &device.info().name;
-            return Err(Error::Usage(format!(
+            return Err(Error::Unsupported(format!(
                 "a picture of {}x{}: {device} draws at most {limit} a side; use --primary rays or a smaller --size",
                 size.x, size.y
             )));

@@ -54,7 +54,7 @@ impl Image {
         let limit = device.limits().max_image_side;
         if width == 0 || height == 0 || width > limit || height > limit {
             let device = &device.info().name;
-            return Err(Error::Usage(format!(
+            return Err(Error::Unsupported(format!(
                 "image '{name}' is {width} x {height}, but {device} takes 1 to {limit} a side"
             )));
         }

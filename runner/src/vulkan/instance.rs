@@ -88,7 +88,7 @@ fn validation_layer(entry: &ash::Entry) -> Result<*const std::ffi::c_char> {
     if !layers.iter().any(|l| l.layer_name_as_c_str() == Ok(VALIDATION_LAYER)) {
         let text = "--validate needs the Khronos validation layer, which isn't installed; \
                     install the package vulkan-validationlayers (Debian, Ubuntu) or the Vulkan SDK";
-        return Err(Error::Usage(text.into()));
+        return Err(Error::Unsupported(text.into()));
     }
     Ok(VALIDATION_LAYER.as_ptr())
 }
@@ -110,7 +110,9 @@ fn extensions(
     let has = |name: &CStr| present.iter().any(|e| e.extension_name_as_c_str() == Ok(name));
     if let Some(missing) = window.iter().find(|name| !has(name)) {
         let name = missing.to_string_lossy();
-        return Err(Error::Usage(format!("no window: the Vulkan driver lacks {name}; render without one")));
+        return Err(Error::Unsupported(format!(
+            "no window: the Vulkan driver lacks {name}; render without one"
+        )));
     }
     let mut names: Vec<_> = window.iter().map(|name| name.as_ptr()).collect();
     let debug = has(ext::debug_utils::NAME);

@@ -49,7 +49,7 @@ impl Pipeline {
         let (size, limit) = (interface.push_constant_size, device.limits().max_push_constants);
         if size > limit {
             let device = &device.info().name;
-            return Err(Error::Usage(format!(
+            return Err(Error::Unsupported(format!(
                 "pass '{name}': {size} bytes of push constants; {device} has {limit}"
             )));
         }

@@ -60,7 +60,7 @@ impl RayPipeline {
         let limit = device.limits().max_ray_dispatch;
         if u64::from(width) * u64::from(height) * u64::from(depth) > u64::from(limit) {
             let device = &device.info().name;
-            return Err(Error::Usage(format!(
+            return Err(Error::Unsupported(format!(
                 "{width} x {height} x {depth} rays: {device} launches {limit} at once; use a smaller --size"
             )));
         }

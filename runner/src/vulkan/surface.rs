@@ -9,7 +9,7 @@ use winit::raw_window_handle::{HasDisplayHandle, HasWindowHandle};
 
 /// Instance extensions that windows of this display need, for `DeviceOptions::window_extensions`.
 pub fn window_extensions(display: &impl HasDisplayHandle) -> Result<Vec<&'static CStr>> {
-    let handle = display.display_handle().map_err(|e| Error::Usage(format!("no display: {e}")))?;
+    let handle = display.display_handle().map_err(|e| Error::Unsupported(format!("no display: {e}")))?;
     let names = ash_window::enumerate_required_extensions(handle.as_raw()).check("list window extensions")?;
     // SAFETY: the names are static strings of ash.
     Ok(names.iter().map(|&name| unsafe { CStr::from_ptr(name) }).collect())
@@ -25,7 +25,7 @@ pub struct Surface {
 impl Surface {
     /// The device must have been made with the window's extensions.
     pub fn new(device: &Device, window: &(impl HasDisplayHandle + HasWindowHandle)) -> Result<Surface> {
-        let no_handle = |e| Error::Usage(format!("the window has no handle: {e}"));
+        let no_handle = |e| Error::Unsupported(format!("the window has no handle: {e}"));
         let display_handle = window.display_handle().map_err(no_handle)?.as_raw();
         let window_handle = window.window_handle().map_err(no_handle)?.as_raw();
         let (entry, instance) = (device.entry(), device.instance());
@@ -45,7 +45,9 @@ impl Surface {
         };
         if !presents.check("ask whether the device presents to the window")? {
             let name = &device.info().name;
-            return Err(Error::Usage(format!("{name} can't draw to this display; choose another --device")));
+            return Err(Error::Unsupported(format!(
+                "{name} can't draw to this display; choose another --device"
+            )));
         }
         Ok(surface)
     }

@@ -53,7 +53,9 @@ impl Swapchain {
         }
         let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_DST;
         if !capabilities.supported_usage_flags.contains(usage) {
-            return Err(Error::Usage("the window's images can't be copied to; render without one".into()));
+            return Err(Error::Unsupported(
+                "the window's images can't be copied to; render without one".into(),
+            ));
         }
         let format = choose_format(&surface.formats()?);
         let modes = surface.present_modes()?;

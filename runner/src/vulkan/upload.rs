@@ -68,7 +68,7 @@ impl Uploader {
         let row = u64::from(width) * 4;
         if rgba.len() as u64 != row * u64::from(height) || rgba.is_empty() {
             let bytes = rgba.len();
-            return Err(Error::Usage(format!(
+            return Err(Error::Internal(format!(
                 "texture '{name}': {bytes} bytes are not {width} x {height} RGBA8"
             )));
         }
@@ -114,7 +114,7 @@ impl Uploader {
             let usage = vk::BufferUsageFlags::empty();
             self.staging = Some(Buffer::new(&self.device, "staging", self.capacity, usage, Memory::Upload)?);
         }
-        let staging = self.staging.as_mut().ok_or_else(|| Error::Usage("no staging buffer".into()))?;
+        let staging = self.staging.as_mut().ok_or_else(|| Error::Internal("no staging buffer".into()))?;
         let offset = self.used;
         staging.write(offset, bytes)?;
         self.used = align_up(offset + bytes.len() as u64, ALIGNMENT);

@@ -16,6 +16,7 @@ use super::render::RenderArgs;
 use super::report::ReportArgs;
 use super::sweep::SweepArgs;
 use super::window::ViewArgs;
+use crate::error::Kind;
 use crate::scene::{EnvironmentSource, SceneSource};
 use crate::vulkan::{DeviceOptions, pipeline_cache};
 use clap::{Args, Parser, Subcommand};
@@ -25,7 +26,7 @@ use values::{parse_size, positive, time};
 
 /// Direct lighting from thousands to millions of lights: ReSTIR DI on Vulkan ray tracing, every shader in Rust.
 #[derive(Debug, Parser)]
-#[command(version, args_conflicts_with_subcommands = true)]
+#[command(version, args_conflicts_with_subcommands = true, after_help = exit_codes())]
 pub struct Cli {
     #[command(subcommand)]
     pub command: Option<Command>,
@@ -56,6 +57,9 @@ pub enum Command {
     Export(ExportArgs),
     /// Replay one pixel of one frame on the CPU: each candidate, ray and weight, and whether the GPU agrees.
     Explain(ExplainArgs),
+    /// Fill the tables of docs/command-line.md.
+    #[command(hide = true)]
+    Page { page: PathBuf },
     /// Write the project's own test scenes.
     #[command(hide = true)]
     Fixtures { directory: PathBuf },
@@ -121,6 +125,12 @@ pub struct PictureArgs {
     /// Look through this animated camera of the scene, by name or number.
     #[arg(long, value_name = "NAME", conflicts_with = "camera")]
     pub camera_path: Option<String>,
+}
+
+/// What scripts want to know at the end of `--help`.
+fn exit_codes() -> String {
+    let line = |kind: Kind| format!("  {}  {}", kind.exit_code(), kind.meaning());
+    format!("Exit codes:\n  0  done\n{}", Kind::ALL.map(line).join("\n"))
 }
 
 /// Point lights where neither the scene nor the user says how many.

@@ -24,32 +24,36 @@ pub fn update(page: &Path, directory: &Path) -> Result<()> {
 
 /// What [`update`] writes.
 pub fn render(page: &Path, directory: &Path) -> Result<(String, Vec<Picture>)> {
-    let old = std::fs::read_to_string(page).map_err(|source| Error::File {
-        path: page.into(),
-        action: "read",
-        source,
-    })?;
+    let old = std::fs::read_to_string(page).map_err(Error::read(page))?;
     // As a link from the page: both are given from the same folder.
     let folder = directory.strip_prefix(page.parent().unwrap_or(Path::new(""))).unwrap_or(directory);
-    let (mut text, mut pictures, mut rest) = (String::new(), Vec::new(), old.as_str());
-    while let Some((before, name, after)) = block(rest) {
+    let mut pictures = Vec::new();
+    let text = fill(&old, "results", |name| {
         let results = read(&directory.join(name))?;
         let stem = name.trim_end_matches(".json");
         let (body, plots) = blocks(&results, stem, &folder.display().to_string());
-        let _ = write!(text, "{before}{START}{name} -->\n\n{body}\n{END}");
         pictures.extend(plots);
-        rest = after;
-    }
-    Ok((text + rest, pictures))
+        Ok(body)
+    })?;
+    Ok((text, pictures))
 }
 
-/// At the start of a line.
-const START: &str = "\n<!-- results ";
+/// `page` with what `body` says of NAME in each block between `<!-- KIND NAME -->`, at the start of a line, and
+/// `<!-- end -->`.
+pub fn fill(page: &str, kind: &str, mut body: impl FnMut(&str) -> Result<String>) -> Result<String> {
+    let (mut text, mut rest) = (String::new(), page);
+    while let Some((before, name, after)) = block(rest, kind) {
+        let _ = write!(text, "{before}\n<!-- {kind} {name} -->\n\n{}\n{END}", body(name)?);
+        rest = after;
+    }
+    Ok(text + rest)
+}
+
 const END: &str = "<!-- end -->";
 
-/// (text before, name of the file, text after) of the first block.
-fn block(text: &str) -> Option<(&str, &str, &str)> {
-    let (before, rest) = text.split_once(START)?;
+/// (text before, name, text after) of the first block.
+fn block<'a>(text: &'a str, kind: &str) -> Option<(&'a str, &'a str, &'a str)> {
+    let (before, rest) = text.split_once(&format!("\n<!-- {kind} "))?;
     let (name, rest) = rest.split_once(" -->")?;
     let (_, after) = rest.split_once(END)?;
     Some((before, name, after))
@@ -134,9 +138,9 @@ mod tests {
     #[test]
     fn blocks_are_found_and_the_rest_is_left() {
         let text = "a\n<!-- results x.json -->\nold\n<!-- end -->\nb";
-        assert_eq!(block(text), Some(("a", "x.json", "\nb")));
-        assert_eq!(block("\n<!-- results x.json --> never ends"), None);
-        assert_eq!(block("in `<!-- results x.json -->` text\n<!-- end -->"), None);
+        assert_eq!(block(text, "results"), Some(("a", "x.json", "\nb")));
+        assert_eq!(block("\n<!-- results x.json --> never ends", "results"), None);
+        assert_eq!(block("in `<!-- results x.json -->` text\n<!-- end -->", "results"), None);
     }
 
     /// docs/results.md is what `cargo xtask results` makes of docs/results/*.json, to the byte.

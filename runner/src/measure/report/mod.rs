@@ -30,9 +30,8 @@ pub fn write(directory: &Path, results: &Results) -> Result<()> {
 
 /// Reads a points.json.
 pub fn read(path: &Path) -> Result<Results> {
-    let bytes =
-        std::fs::read(path).map_err(|source| Error::File { path: path.into(), action: "read", source })?;
-    serde_json::from_slice(&bytes).map_err(|e| Error::Usage(format!("{}: {e}", path.display())))
+    let bytes = std::fs::read(path).map_err(Error::read(path))?;
+    serde_json::from_slice(&bytes).map_err(Error::input(path))
 }
 
 /// Checks, before any work is done, that results can be written to `directory`.

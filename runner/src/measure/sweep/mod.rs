@@ -97,8 +97,8 @@ impl Sweep<'_> {
             let mut bench = self.bench(&group[0], group, &mut device);
             for spec in group {
                 let measured = match &mut bench {
-                    Ok(bench) => self.point(bench, spec, &about),
-                    Err(error) => Err(Error::Usage(error.to_string())),
+                    Ok(bench) => self.point(bench, spec, &about).map_err(|error| error.to_string()),
+                    Err(error) => Err(error.to_string()),
                 };
                 let row = self.row(spec, measured);
                 self.report(&row, rows.len() + 1);
@@ -147,7 +147,7 @@ impl Sweep<'_> {
         let outcome = catch_unwind(AssertUnwindSafe(measure)).unwrap_or_else(|panic| {
             let words = panic.downcast_ref::<String>().cloned();
             let words = words.or_else(|| panic.downcast_ref::<&str>().map(|s| (*s).to_owned()));
-            Err(Error::Usage(format!("internal error: {}", words.unwrap_or_default())))
+            Err(Error::Internal(words.unwrap_or_default()))
         });
         if outcome.is_err() {
             // Whatever went wrong, the next point starts with a new device.
@@ -261,10 +261,10 @@ impl Sweep<'_> {
         Ok(truth)
     }
 
-    fn row(&self, spec: &PointSpec, measured: Result<Measurement>) -> Row {
+    fn row(&self, spec: &PointSpec, measured: Result<Measurement, String>) -> Row {
         let (measured, error) = match measured {
             Ok(measured) => (Some(measured), None),
-            Err(error) => (None, Some(error.to_string())),
+            Err(error) => (None, Some(error)),
         };
         let camera = measured.as_ref().map(|m| m.camera.clone()).or(spec.camera.clone());
         Row {

@@ -160,11 +160,7 @@ impl Plan {
         if let Some((_, text)) = BUILT_IN.iter().find(|(name, _)| path.as_os_str() == *name) {
             return Ok((Plan::parse(text, path)?, PathBuf::new()));
         }
-        let text = std::fs::read_to_string(path).map_err(|source| Error::File {
-            path: path.into(),
-            action: "read",
-            source,
-        })?;
+        let text = std::fs::read_to_string(path).map_err(Error::read(path))?;
         Ok((Plan::parse(&text, path)?, path.parent().unwrap_or(Path::new("")).into()))
     }
 
@@ -172,9 +168,9 @@ impl Plan {
         let plan: Plan = toml::from_str(text).map_err(|e| {
             let line = e.span().map_or(0, |span| text[..span.start].matches('\n').count() + 1);
             let message = e.message().replace('\n', " ");
-            Error::Usage(format!("{}: line {line}: {message}", path.display()))
+            Error::input(path)(format!("line {line}: {message}"))
         })?;
-        plan.check().map_err(|reason| Error::Usage(format!("{}: {reason}", path.display())))?;
+        plan.check().map_err(Error::input(path))?;
         Ok(plan)
     }
 

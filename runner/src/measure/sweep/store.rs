@@ -60,7 +60,7 @@ impl Store {
 }
 
 pub fn to_json(value: &impl Serialize) -> Result<Vec<u8>> {
-    serde_json::to_vec_pretty(value).map_err(|e| Error::Usage(format!("can't write the results: {e}")))
+    serde_json::to_vec_pretty(value).map_err(Error::internal)
 }
 
 /// 16 hexadecimal digits of the SHA-256 of `value` as JSON.

@@ -35,13 +35,11 @@ const MAX_COORDINATE: f32 = 1e15;
 type Reason<T> = std::result::Result<T, String>;
 
 /// Loads the default scene of a .gltf or .glb file. What it has and can't be drawn yet is in the warnings.
-/// Errors, one line each: [`Error::File`] if `path` can't be read, [`Error::Scene`] for everything that is wrong in it.
+/// Errors, one line each: [`Error::Read`] if `path` can't be read, [`Error::Input`] for everything that is wrong in it.
 pub fn load(path: &Path) -> Result<SceneDescription> {
-    let bytes =
-        uri::read_file(path).map_err(|source| Error::File { path: path.into(), action: "read", source })?;
+    let bytes = uri::read_file(path).map_err(Error::read(path))?;
     let base = path.parent().unwrap_or(Path::new(""));
-    let mut scene = scene_of(&bytes, base)
-        .map_err(|reason| Error::Scene { path: path.into(), reason: one_line(&reason) })?;
+    let mut scene = scene_of(&bytes, base).map_err(|reason| Error::input(path)(one_line(&reason)))?;
     scene.name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     Ok(scene)
 }

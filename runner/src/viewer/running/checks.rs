@@ -27,7 +27,7 @@ impl Running {
                 }
                 Event::Minimise => self.resized(UVec2::ZERO),
                 Event::Say(text) => println!("{text}"),
-                Event::Expect(what) => self.expect(&what).map_err(Error::Usage)?,
+                Event::Expect(what) => self.expect(&what).map_err(Error::Check)?,
                 Event::Await(what) => {
                     if self.expect(&what).is_err() {
                         self.script.again(Event::Await(what))?;

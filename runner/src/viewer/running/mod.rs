@@ -91,7 +91,7 @@ impl Running {
             .with_inner_size(size)
             .with_min_inner_size(PhysicalSize::new(64, 64));
         let window = event_loop.create_window(attributes).map_err(|e| {
-            Error::Usage(format!("can't open a window: {e}; candela render works without one"))
+            Error::Unsupported(format!("can't open a window: {e}; candela render works without one"))
         })?;
         let (device, window) = (start.device, Arc::new(window));
         let screen = Screen::new(&device, window.clone(), vk::PresentModeKHR::FIFO)?;

@@ -30,8 +30,8 @@ fn no_gltf_at_all() {
 fn missing_files_are_named() {
     let path = Path::new("/nowhere/at-all.gltf");
     let error = load(path).unwrap_err();
-    assert!(matches!(&error, Error::File { path: named, action: "read", .. } if named == path), "{error}");
-    assert!(matches!(load(&std::env::temp_dir()), Err(Error::File { .. })), "a folder is no file");
+    assert!(matches!(&error, Error::Read { path: named, .. } if named == path), "{error}");
+    assert!(matches!(load(&std::env::temp_dir()), Err(Error::Read { .. })), "a folder is no file");
 }
 
 #[test]

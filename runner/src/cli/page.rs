@@ -1,0 +1,49 @@
+//! The tables of docs/command-line.md, written from what the program knows.
+
+use crate::error::{Error, Kind, Result};
+use crate::image_io;
+use crate::measure::report::markdown::{fill, write_table};
+use std::path::Path;
+
+/// Rewrites `page`: what stands between `<!-- table NAME -->` and `<!-- end -->`.
+pub fn update(page: &Path) -> Result<()> {
+    let text = std::fs::read_to_string(page).map_err(Error::read(page))?;
+    image_io::replace(page, render(&text, page)?.as_bytes())
+}
+
+fn render(text: &str, page: &Path) -> Result<String> {
+    fill(text, "table", |name| match name {
+        "exit codes" => Ok(exit_codes()),
+        _ => Err(Error::input(page)(format!("there is no table '{name}'"))),
+    })
+}
+
+fn exit_codes() -> String {
+    let row = |code: u8, meaning: &str| vec![code.to_string(), meaning.to_owned()];
+    let mut table = vec![vec!["code".into(), "meaning".into()], row(0, "done")];
+    table.extend(Kind::ALL.map(|kind| row(kind.exit_code(), kind.meaning())));
+    let mut text = String::new();
+    write_table(&mut text, &table);
+    text.trim_start().to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_committed_page_is_up_to_date() {
+        let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/command-line.md");
+        let text = std::fs::read_to_string(&page).unwrap();
+        assert!(text.contains("<!-- table exit codes -->"));
+        assert!(
+            render(&text, &page).unwrap() == text,
+            "`cargo xtask docs` brings {} up to date",
+            page.display()
+        );
+        // Negative control.
+        let stale = text.replace(Kind::Internal.meaning(), "?");
+        assert_ne!(render(&stale, &page).unwrap(), stale);
+        assert!(render("\n<!-- table none --><!-- end -->", &page).is_err());
+    }
+}
