@@ -5,7 +5,7 @@
 //! written; [`left_out`] says so.
 
 use super::{AlphaMode, Environment, Instance, Material, Primitive, SceneCamera, SceneDescription, Workflow};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::image_io;
 use glam::Mat3;
 use serde_json::{Value, json};
