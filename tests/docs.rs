@@ -2,6 +2,7 @@
 
 use std::fs;
 use tests::docs::{code_spans, dangling_links, dangling_names, pages, workspace};
+use tests::equations::wrong_numbers;
 
 #[test]
 fn pages_name_code_that_exists() {
@@ -39,4 +40,24 @@ fn links_lead_somewhere() {
     let here = workspace().join("README.md");
     let page = "[a](docs) [b](gone.md) [c](https://example.org) [d](#above) [e](docs/gone.md#there)";
     assert_eq!(dangling_links(&here, page), ["gone.md", "docs/gone.md#there"]);
+}
+
+fn algorithm() -> String {
+    fs::read_to_string(workspace().join("docs/algorithm.md")).expect("the page is there")
+}
+
+/// Equations are numbered one after another, the table has a row for each, and each of the thesis's is in some row.
+#[test]
+fn equations_are_numbered() {
+    let page = algorithm();
+    assert_eq!(wrong_numbers(&page), Vec::<String>::new());
+    // Negative controls: a number left out, a row left out, an equation of the thesis left out, a row without function.
+    for (right, wrong) in [
+        ("\\tag{15}", "\\tag{13a}"),
+        ("| (16) weight", "| weight"),
+        ("(4.22)", "section 4.1.4"),
+        ("`target::unshadowed`", "the integrand"),
+    ] {
+        assert_ne!(wrong_numbers(&page.replace(right, wrong)), Vec::<String>::new(), "{right}");
+    }
 }

@@ -61,7 +61,7 @@ fn exists(span: &str) -> bool {
 }
 
 /// Is `file` the module `stem` (`light/tile`: light/tile.rs or light/tile/mod.rs), or one whose path ends so?
-fn is_module(file: &Path, stem: &str) -> bool {
+pub(crate) fn is_module(file: &Path, stem: &str) -> bool {
     let of = |tail: String| file.ends_with(tail);
     of(format!("{stem}.rs")) || of(format!("{stem}/mod.rs"))
 }
@@ -96,7 +96,7 @@ pub fn pages() -> Vec<PathBuf> {
 }
 
 /// Files under `folder` whose name ends so; not those of build products and hidden folders.
-fn files(folder: &Path, extension: &str) -> Vec<PathBuf> {
+pub(crate) fn files(folder: &Path, extension: &str) -> Vec<PathBuf> {
     let entries = fs::read_dir(folder).into_iter().flatten().filter_map(Result::ok).map(|entry| entry.path());
     let mut found = Vec::new();
     for path in entries {
