@@ -1,8 +1,9 @@
 //! The pages say what is there: the code that they name, and the files that they link to.
 
 use std::fs;
+use std::path::Path;
 use tests::docs::{code_spans, dangling_links, dangling_names, pages, workspace};
-use tests::equations::wrong_numbers;
+use tests::equations::{contradictions, items, items_of, wrong_numbers};
 
 #[test]
 fn pages_name_code_that_exists() {
@@ -59,5 +60,29 @@ fn equations_are_numbered() {
         ("`target::unshadowed`", "the integrand"),
     ] {
         assert_ne!(wrong_numbers(&page.replace(right, wrong)), Vec::<String>::new(), "{right}");
+    }
+}
+
+/// The functions of the table name its equations in their doc comments, and what doc comments name is in the table.
+#[test]
+fn equations_and_doc_comments_agree() {
+    let (page, items) = (algorithm(), items());
+    assert_eq!(contradictions(&page, &items), Vec::<String>::new());
+    assert!(items.len() >= 25, "{} functions name equations", items.len());
+    // Negative controls, the table against the code: another function, a number that no doc comment has, one left out.
+    for (right, wrong) in [
+        ("`shading::propose` |", "`shading::Average::add` |"),
+        ("| (6) | (4.17) |", "| (6), (7) | (4.17) |"),
+        ("| (6) | (4.17) |", "| (6) | – |"),
+    ] {
+        assert_ne!(contradictions(&page.replace(right, wrong), &items), Vec::<String>::new(), "{right}");
+    }
+    // The code against the table: a function that names an equation of the table, unknown to it; and one of no table.
+    for comment in ["Equation (10): Bitterli (6).", "Equation (99)."] {
+        let text = format!(
+            "impl<'a> Other<'a> {{\n    /// What.\n    ///\n    /// {comment}\n    #[inline]\n    pub fn gone() {{}}\n}}\n"
+        );
+        let planted = [items.clone(), items_of(Path::new("shared/src/other.rs"), &text)].concat();
+        assert_eq!(contradictions(&page, &planted).len(), 1, "{comment}");
     }
 }

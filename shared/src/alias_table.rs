@@ -22,6 +22,8 @@ pub struct AliasEntry {
 
 /// Draws (outcome, mass) from `table`, whose length is a power of two >= 1, with two independent random words.
 /// An outcome of weight 0 is never drawn; an empty table gives mass 0.
+///
+/// Equation (6): thesis section 4.1.6.
 pub fn sample(table: &[AliasEntry], random: [u32; 2]) -> (u32, Pmf) {
     if table.is_empty() {
         return (0, Pmf(0.0));
@@ -79,6 +81,8 @@ fn tickets(share: f64) -> u32 {
 }
 
 /// Counts each outcome's tickets and writes its mass beside every place it can be drawn from.
+///
+/// Equation (6): thesis section 4.1.6.
 #[cfg(not(target_arch = "spirv"))]
 fn store_exact_masses(table: &mut [AliasEntry], weight: impl Fn(usize) -> f64) {
     const COLUMN: u64 = 1 << 32;

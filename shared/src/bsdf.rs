@@ -96,6 +96,8 @@ fn visible_normal(wo: Vec3, alpha: f32, square: Vec2) -> Vec3 {
 ///
 /// p = P D G1(wo) / (4 cosθo) + (1 - P) cosθi / π, with P of [`specular_probability`] (Heitz 2018, eq. 17; the Jacobian of
 /// the mirrored direction is 1 / (4 wo·h)).
+///
+/// Equation (17).
 pub fn pdf(reflectance: &Reflectance, n: Vec3, wo: Vec3, wi: Vec3) -> PdfSolidAngle {
     let cos_o = n.dot(wo);
     let cos_i = n.dot(wi);

@@ -23,6 +23,9 @@
 //! Units: metres, seconds, radians; radiance in nit (cd/m²), intensity in candela, linear Rec. 709 RGB.
 //! Frame: right-handed, +Y up as in glTF; directions point away from the surface.
 //!
+//! Doc comments name the equations they compute, "Equation (10): Bitterli (6); thesis (4.17).": the number of
+//! docs/algorithm.md, of Bitterli et al. 2020 and of the thesis (Karlović 2022), as in that page's table.
+//!
 //! Reading order: [`math`], [`rng`], [`pdf`], [`sampling`], [`alias_table`], [`environment`], [`light`], [`camera`],
 //! [`frame`], [`geometry`], [`raster`], [`material`], [`ray_cone`], [`alpha`], [`surface`], [`bsdf`], [`target`], [`shadow`],
 //! [`reservoir`], [`motion`], [`resampling`], [`shading`], [`reference`], [`tonemap`], [`view`], [`statistics`],

@@ -90,12 +90,16 @@ impl<'a> PastLights<'a> {
 
     /// |∂y'/∂y| of the map from this frame's samples y to the previous frame's y': the ratio of the light's areas, 1 for
     /// what has none. 0 for a light without a past.
+    ///
+    /// Equation (27).
     pub fn jacobian(self, lights: Lights<'a>, current: u32, previous: u32) -> f32 {
         safe_ratio(lights.pdf_li(current).0, self.lights.pdf_li(previous).0)
     }
 
     /// A reservoir of the previous frame as one of this frame. The sample of a light that is gone weighs nothing, but its
     /// candidates count: the others of its stream were drawn no more often for it.
+    ///
+    /// Equation (28).
     pub fn carried(self, lights: Lights<'a>, history: StoredReservoir) -> StoredReservoir {
         let sample = self.now(history.sample);
         let jacobian = self.jacobian(lights, sample.light, history.sample.light);

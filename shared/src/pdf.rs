@@ -15,7 +15,8 @@ pub struct PdfArea(pub f32);
 pub struct PdfSolidAngle(pub f32);
 
 /// Density of a light sample in the measure of its light: area (1/m²), solid angle (1/sr) or counting (delta lights, 1).
-/// This is the p of resampling; samples live on the light, so reuse needs no Jacobian.
+/// This is the p of resampling. Samples live on the light, so reuse between pixels has Jacobian 1; a light whose measure changes
+/// between frames brings [`crate::motion::PastLights::jacobian`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SourcePdf(pub f32);
 
@@ -28,6 +29,8 @@ impl Pmf {
 
 impl PdfArea {
     /// dω = cosθ' / d² dA, so p_ω = p_A d² / cosθ'; 0 where the light is seen edge-on.
+    ///
+    /// Equation (2).
     pub fn to_solid_angle(self, distance: f32, cos_light: f32) -> PdfSolidAngle {
         PdfSolidAngle(safe_ratio(self.0 * distance * distance, cos_light))
     }

@@ -9,6 +9,8 @@ use crate::target::unshadowed;
 
 /// The contribution of one light: exact for a delta light, an unbiased one-sample estimate for an area or a solid angle.
 /// `random`: the point.
+///
+/// Equation (3): Bitterli (3); thesis (4.3), thesis (4.4), thesis (4.6), thesis (4.7), thesis (4.8), thesis (4.14).
 pub fn propose(surface: &Surface, lights: Lights<'_>, light: u32, random: u32) -> Proposal {
     let incident = lights.incident(LightSample { light, uv: random }, surface.position);
     Proposal {

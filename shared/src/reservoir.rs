@@ -32,6 +32,9 @@ impl Reservoir {
     /// Shows the reservoir one candidate that stands for `confidence` others and weighs `resampling_weight`; `u` in [0, 1).
     /// Tells whether it became the survivor, which happens with probability w / Σw. A weight that is no positive
     /// finite number counts as 0.
+    ///
+    /// Equation (9): Bitterli (8); thesis (4.18).
+    /// Equation (13): Bitterli section 2.2, Bitterli Alg. 2; thesis (4.20).
     pub fn add(
         &mut self,
         sample: LightSample,
@@ -56,11 +59,15 @@ impl Reservoir {
 
     /// Shows the reservoir the survivor of `other`, whose target function at *this* pixel is `target`:
     /// w = p̂(y) W M (Bitterli et al. 2020, Alg. 4).
+    ///
+    /// Equation (18): Bitterli section 3.2, Bitterli Alg. 4; thesis section 4.1.7.
     pub fn merge(&mut self, other: StoredReservoir, target: f32, u: f32) -> bool {
         self.add(other.sample, target, other.merged_weight(target), other.confidence, u)
     }
 
-    /// W = Σw / (`normalization` p̂(y)). With normalization M it is RIS with uniform MIS weights (eq. 6).
+    /// W = Σw / (`normalization` p̂(y)). With normalization M it is RIS with uniform MIS weights.
+    ///
+    /// Equation (9): Bitterli Alg. 1; thesis (4.16), thesis (4.17).
     pub fn finish(&self, normalization: f32) -> StoredReservoir {
         StoredReservoir {
             sample: self.sample,
@@ -77,16 +84,22 @@ impl StoredReservoir {
     }
 
     /// Visibility reuse: an occluded survivor contributes nothing, here and wherever it would be reused.
+    ///
+    /// Equation (20): Bitterli section 3.2, Bitterli Alg. 5; thesis section 4.1.7.
     pub fn occluded(self) -> Self {
         StoredReservoir { contribution_weight: 0.0, ..self }
     }
 
     /// p̂(y) W M, what it weighs in a merge at a pixel where its target is `target`.
+    ///
+    /// Equation (18): Bitterli Alg. 4; thesis section 4.1.7.
     pub fn merged_weight(&self, target: f32) -> f32 {
         target * self.contribution_weight * self.confidence
     }
 
     /// The same reservoir standing for at most `cap` candidates.
+    ///
+    /// Equation (19): Bitterli section 5; thesis section 4.1.7.
     pub fn capped(self, cap: f32) -> Self {
         StoredReservoir { confidence: self.confidence.min(cap), ..self }
     }
@@ -113,6 +126,8 @@ mod tests {
 
     /// Survivors follow w_i / Σw. Chi-square with 4 degrees of freedom, false alarm 1e-4 (fixed seed); the planted
     /// error (the last candidate always survives) must be seen.
+    ///
+    /// Equation (14): Bitterli section 2.2; thesis (4.19), thesis (4.21), thesis (4.22).
     #[test]
     fn survivors_follow_their_weights() {
         const WEIGHTS: [f32; 5] = [1.0, 5.0, 0.5, 2.5, 1.0];

@@ -22,7 +22,9 @@ impl Proposal {
     }
 }
 
-/// f Le G W of the survivor (Bitterli et al. 2020, eq. 6), and the ray that decides over it.
+/// f Le G W of the survivor, and the ray that decides over it.
+///
+/// Equation (10): Bitterli (6); thesis (4.17).
 pub fn propose(surface: &Surface, lights: LightTable<'_>, reservoir: StoredReservoir) -> Proposal {
     if reservoir.contribution_weight <= 0.0 {
         return Proposal::default();
@@ -50,6 +52,8 @@ impl Average {
     }
 
     /// Nit, linear RGB.
+    ///
+    /// Equation (29): Bitterli (7); thesis (4.17).
     pub fn radiance(&self) -> Vec3 {
         self.sum / self.count.max(1.0)
     }

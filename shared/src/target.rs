@@ -8,6 +8,8 @@ use glam::Vec3;
 
 /// f(wo, wi) Le G without visibility: reflected radiance per measure of the light (nit/m² or nit), linear RGB.
 /// 0 for light from behind the surface, real or shaded.
+///
+/// Equation (1): Bitterli (1), Bitterli (2); thesis (4.1), thesis (4.2).
 pub fn unshadowed(surface: &Surface, incident: &Incident) -> Vec3 {
     let cos = surface.normal.dot(incident.direction);
     if (surface.geometric_normal.dot(incident.direction) <= 0.0) | (cos <= 0.0) {
@@ -19,6 +21,8 @@ pub fn unshadowed(surface: &Surface, incident: &Incident) -> Vec3 {
 }
 
 /// p̂ = luminance of [`unshadowed`] (Bitterli et al. 2020, section 3).
+///
+/// Equation (12): Bitterli section 5; thesis section 4.1.5.
 pub fn target_function(surface: &Surface, incident: &Incident) -> f32 {
     luminance(unshadowed(surface, incident))
 }

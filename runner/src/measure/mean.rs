@@ -57,6 +57,8 @@ impl Mean {
     }
 
     /// Standard error of each pixel's mean luminance, nit; 0 for fewer than two pictures.
+    ///
+    /// Equation (4): thesis (4.5), thesis (4.15).
     pub fn standard_errors(&self) -> Vec<f64> {
         let n = f64::from(self.count);
         let error = |squares: &f64| if self.count < 2 { 0.0 } else { (squares / (n - 1.0) / n).sqrt() };

@@ -168,6 +168,8 @@ impl Light {
     /// Luminous flux Φ in lm (but for the factor 683 that photometric input already holds).
     /// Point: 4π I. Triangle: π L A a side (Lambertian emitter). Spot: see [`Light::spot_solid_angle`].
     /// Directional: E π r², what falls into the scene's bounding sphere. Environment: L Ω π r².
+    ///
+    /// Equation (5): Bitterli section 5; thesis section 5.1.
     pub fn power(&self) -> f32 {
         let sides = if self.flags & DOUBLE_SIDED != 0 { 2.0 } else { 1.0 };
         let extent = match self.kind {

@@ -85,6 +85,8 @@ impl<'a> Lights<'a> {
 
 impl<'a> LightTable<'a> {
     /// Draws a light by its power, and a point on it. `random`: alias column, alias ticket, point.
+    ///
+    /// Equation (5): Bitterli section 5; thesis section 5.1.
     pub fn sample(self, random: [u32; 3]) -> (LightSample, SourcePdf) {
         let (light, pmf) = alias_table::sample(self.alias, [random[0], random[1]]);
         let sample = LightSample { light, uv: random[2] };

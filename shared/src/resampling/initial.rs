@@ -67,6 +67,11 @@ impl Techniques {
 
     /// p + p_b M_b / M of a sample that the light table draws with density p = `source_pdf`: times M, what all candidates
     /// together draw it with.
+    ///
+    /// Equation (7): Bitterli (4); thesis (4.9), thesis (4.10), thesis (4.11), thesis (4.12), thesis (4.13).
+    /// Equation (8): Bitterli section 2.
+    /// Equation (15).
+    /// Equation (16).
     pub fn density(self, surface: &Surface, incident: &Incident, source_pdf: SourcePdf) -> SourcePdf {
         if self.bsdf == 0 || incident.solid_angle <= 0.0 {
             return source_pdf;
@@ -92,6 +97,8 @@ pub struct Candidate {
 
 impl Candidate {
     /// w = p̂/p; 1/M follows at the end.
+    ///
+    /// Equation (9): Bitterli (5), Bitterli Alg. 1; thesis (4.16), thesis (4.17).
     pub fn weight(&self) -> f32 {
         safe_ratio(self.target, self.source_pdf.0)
     }

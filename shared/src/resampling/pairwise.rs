@@ -69,6 +69,9 @@ impl Pairwise {
     }
 
     /// Adds the survivor of another pixel. `u` in [0, 1).
+    ///
+    /// Equation (22): Bitterli section 4.3.
+    /// Equation (24).
     pub fn add(&mut self, neighbor: StoredReservoir, targets: CrossTargets, u: f32) -> Weighed {
         let share = safe_ratio(self.trust * neighbor.confidence, self.total);
         let there = self.others * targets.neighbor_at_neighbor;
@@ -90,6 +93,8 @@ impl Pairwise {
 
     /// What the canonical survivor's MIS weight gains if the pixel of a reservoir with this `confidence`, just added with target
     /// p̂_i(y_0) = `canonical_at_neighbor` > 0, does not see it.
+    ///
+    /// Equation (25).
     pub fn doubt(&self, confidence: f32, canonical_at_neighbor: f32) -> f32 {
         let there = self.others * canonical_at_neighbor;
         let here = self.canonical.confidence * self.canonical_target;
@@ -97,11 +102,15 @@ impl Pairwise {
     }
 
     /// Adds such a gain.
+    ///
+    /// Equation (26).
     pub fn resolve(&mut self, doubt: f32) {
         self.canonical_mis += doubt;
     }
 
     /// Adds the canonical survivor, whose weight is known only now. `u` in [0, 1).
+    ///
+    /// Equation (24).
     pub fn add_canonical(&mut self, u: f32) -> Weighed {
         let Pairwise { canonical, canonical_target: target, canonical_mis: mis_weight, .. } = *self;
         let weight = mis_weight * target * canonical.contribution_weight;
@@ -132,6 +141,8 @@ mod tests {
 
     /// Σ m_i(y) = 1 at one y that every pixel proposes: with p̂_j(y) = targets[j] and W = 1 everywhere, the merged weight
     /// sum is Σ m_j p̂_0 = p̂_0.
+    ///
+    /// Equation (23): Bitterli section 4.3.
     #[test]
     fn weights_sum_to_one() {
         for targets in [[1.0, 1.0, 1.0], [2.0, 0.5, 7.0], [1.0, 0.0, 3.0], [5.0, 0.0, 0.0], [1e-6, 1e6, 1.0]]

@@ -103,6 +103,8 @@ fn faults_of_pairs_are_seen() {
 }
 
 /// The biased mode itself is the negative control of the unbiased one: 1/M weights behind a screen.
+///
+/// Equation (21): Bitterli section 4.2.
 #[test]
 fn the_bias_of_the_biased_mode_is_seen() {
     let world = screened(world::points());

@@ -115,6 +115,7 @@ fn environment_light() {
     matrix(world::environment());
 }
 
+/// Equation (11).
 #[test]
 fn all_kinds_together() {
     matrix(world::together());
