@@ -84,10 +84,10 @@ fn known_visibility_changes_no_bit() {
     let still = Conditions { still: true, ..Default::default() };
     let stems = |conditions| {
         let (steps, _) = schedule(&Work::Restir(settings()), conditions, Rotation::default());
-        steps.iter().map(|step| step.pass.stem).collect::<Vec<_>>()
+        steps.iter().map(|step| step.pass.stem()).collect::<Vec<_>>()
     };
-    assert!(stems(still).contains(&"temporal_known"));
-    assert!(stems(Conditions::default()).contains(&"temporal_unbiased"));
+    assert!(stems(still).contains(&"temporal"));
+    assert!(stems(Conditions::default()).contains(&"temporal_traced"));
 }
 
 /// The upper left quarter of a picture and a picture of that quarter alone draw the same numbers: pixel, frame and seed are all that

@@ -23,7 +23,7 @@ fn pages_name_code_that_exists() {
 fn wrong_names_are_seen() {
     let right = "`reservoir::Reservoir::add` `light::tile::presample` `light::tests::power_is_flux` `math::safe_ratio`
         `reservoir::tests::survivors_follow_their_weights` `tests/statistics.rs::a_planted_bias_is_seen` `light::kind::POINT`
-        `resampling::spatial::propose` `spatial::propose` `not a path` `f32`";
+        `passes::spatial::spatial` `spatial::spatial` `not a path` `f32`";
     assert_eq!(dangling_names(right), Vec::<String>::new());
     let wrong = "`reservoir::Reservoir::gone` `light::tile::gone` `gone::add` `reservoir::Gone::add` `tests/gone.rs::add`
         `tests/statistics.rs::gone` `reservoir::gone::add`";

@@ -1,7 +1,7 @@
 //! The kernels that measure floors trace the rays that they say they trace: what they count is what frames show.
 
 use candela::frame::history::History;
-use candela::frame::pass::{Role, Step};
+use candela::frame::pass::Step;
 use candela::frame::renderer::Renderer;
 use candela::frame::schedule::{Primary, Work};
 use candela::measure::floors::{self, Frame};
@@ -10,8 +10,10 @@ use candela::scene::{PointLight, SceneDescription};
 use glam::{UVec2, Vec3};
 use shared::camera::Camera;
 use shared::frame::{FrameConstants, Settings};
-use shared::resampling::pairs::PairTargets;
+use shared::passes::Pass;
+use shared::passes::pair_targets::PairTargets;
 use shared::reservoir::StoredReservoir;
+use shared::resources::Binding;
 use shared::surface::GBufferTexel;
 use tests::gpu::{assert_no_validation_messages, device, options, renderer, restir};
 use tests::scenes::{occluded, pane, scene, square};
@@ -52,7 +54,7 @@ fn hits_are_what_the_frame_shows() {
     assert_eq!((primary.rays, primary.hits), (pixels, covered));
 
     let count_lit = |picture: &[Vec3]| picture.iter().filter(|c| **c != Vec3::ZERO).count();
-    let (lit, shading) = (count_lit(&radiance), of("shade"));
+    let (lit, shading) = (count_lit(&radiance), of("shade_traced"));
     assert!(shading.hits > 50 && lit > 1000, "{} hidden, {lit} lit", shading.hits);
     assert_eq!(shading.rays - shading.hits, lit);
     // The planted fault: the frame before has other rays.
@@ -85,19 +87,12 @@ fn second_rays_of_reuse_decide_over_reservoirs() {
         let captured = floors::capture(&mut renderer, &lights, frame).unwrap();
         let passes: Vec<_> = captured.iter().map(|captured| captured.pass).collect();
         let expected: &[&str] = match temporal {
-            0 => &["gbuffer", "initial", "spatial_unbiased", "spatial_unbiased"],
-            _ => &[
-                "gbuffer",
-                "initial",
-                "temporal_unbiased",
-                "temporal_unbiased",
-                "spatial_unbiased",
-                "spatial_unbiased",
-                "shade",
-            ],
+            0 => &["gbuffer", "initial", "spatial_traced", "spatial_traced"],
+            // Histories of the very same points need no ray.
+            _ => &["gbuffer", "initial", "spatial_traced", "spatial_traced", "shade_traced"],
         };
         assert_eq!(passes, expected);
-        let last = passes.iter().rposition(|&pass| pass == "spatial_unbiased").unwrap();
+        let last = passes.iter().rposition(|&pass| pass == "spatial_traced").unwrap();
         let [asked, hits] = [last - 1, last].map(|i| captured[i].hits(&mut renderer).unwrap());
 
         restir(&mut renderer, camera, settings, floors::HISTORY + 1, 0);
@@ -135,8 +130,8 @@ fn rays_of_pairs_decide_over_targets() {
         let (recorder, history) = renderer.parts();
         let mut targets: Vec<PairTargets> = Vec::new();
         let read = |history: &History, _: &FrameConstants, step: &Step| {
-            if step.pass.stem == "pair_targets" {
-                targets = history.read_role(step, Role::PairTargets)?;
+            if step.pass == Pass::pair_targets {
+                targets = history.read_binding(step, Binding::pair_targets)?;
             }
             Ok(())
         };

@@ -1,6 +1,5 @@
 //! What materials make of rays and light, on the device.
 
-use candela::frame::pass::Rays;
 use candela::frame::pipelines::hit_groups;
 use candela::gpu_scene::GpuScene;
 use candela::gpu_scene::arrays::SceneArrays;
@@ -13,6 +12,7 @@ use shared::frame::Settings;
 use shared::frame::features;
 use shared::material::{Reflectance, UNLIT_WHITE, UvMap, slot};
 use shared::math::luminance;
+use shared::passes::Rays;
 use std::sync::Arc;
 use tests::gpu::{assert_no_validation_messages, device, reference, renderer, restir};
 use tests::scenes::{camera, floor_point, floor_radiance, pane, scene, square};

@@ -1,16 +1,17 @@
 //! Scenes that move: the history follows instances and lights, and the unbiased mode keeps the reference's mean.
 
-use candela::frame::pass::BufferId;
-use candela::frame::passes;
 use candela::frame::renderer::{FrameOptions, Renderer};
 use candela::frame::schedule::{Conditions, Primary, Rotation, Work, schedule};
+use candela::frame::targets::Target;
 use candela::scene::animation::{Animation, Channel, Curve, Interpolation, Local, Node, Thing, Track};
 use candela::scene::lights::LightEdits;
 use candela::scene::{Environment, Instance, Material, Mesh, PointLight, Primitive, SceneDescription};
 use glam::{Affine3A, DAffine3, DQuat, DVec3, DVec4, UVec2, Vec3};
 use shared::camera::Camera;
 use shared::frame::{Settings, mode};
+use shared::passes::variant;
 use shared::reservoir::StoredReservoir;
+use shared::resources::Resource;
 use shared::surface::GBufferTexel;
 use tests::gpu::{assert_no_validation_messages, device, reference, renderer};
 use tests::scenes::{camera, emitter, scene, square};
@@ -271,8 +272,9 @@ fn a_turning_box_keeps_its_history() {
                 render(&mut renderer, camera, settings, 1);
             }
             // The second frame's.
-            let gbuffer: Vec<GBufferTexel> = renderer.read(BufferId::GBuffer(1)).unwrap();
-            let reservoirs: Vec<StoredReservoir> = renderer.read(BufferId::Reservoirs(2)).unwrap();
+            let copy = |resource, copy| Target { resource, copy };
+            let gbuffer: Vec<GBufferTexel> = renderer.read(copy(Resource::gbuffer, 1)).unwrap();
+            let reservoirs: Vec<StoredReservoir> = renderer.read(copy(Resource::reservoirs, 2)).unwrap();
             let box_pixels = gbuffer.iter().zip(&reservoirs).filter(|(t, _)| !t.is_empty() && t.instance > 0);
             box_pixels.filter(|(_, reservoir)| reservoir.confidence > 8.0).count() as f64
         };
@@ -287,7 +289,7 @@ fn a_turning_box_keeps_its_history() {
     assert_no_validation_messages(&device);
 }
 
-/// What stands still pays nothing: no structure or buffer of the past, no pass, no binding; and a scene that has moved pays for
+/// What stands still pays nothing: no structure or buffer of the past, no pass; and a scene that has moved pays for
 /// no frame in which it rests.
 #[test]
 fn a_still_scene_has_no_past() {
@@ -298,18 +300,16 @@ fn a_still_scene_has_no_past() {
     let stems = |moved: bool| {
         let conditions = Conditions { moved, ..Default::default() };
         let (steps, _) = schedule(&Work::Restir(Settings::default()), conditions, Rotation::default());
-        steps.iter().map(|step| (step.pass.stem, step.pass.past)).collect::<Vec<_>>()
+        steps.iter().map(|step| (step.pass.stem(), step.variant & variant::MOVING != 0)).collect::<Vec<_>>()
     };
-    let still =
-        ["gbuffer", "initial", "temporal_unbiased", "pair_targets", "pair_merge", "shade_known", "tonemap"];
+    let still = ["gbuffer", "initial", "temporal_traced", "pair_targets", "pair_merge", "shade", "tonemap"];
     assert_eq!(stems(false), still.map(|stem| (stem, false)));
-    assert_eq!(stems(true).len(), still.len(), "motion exchanges a pass, and adds none");
-    assert_eq!(passes::ALL.iter().filter(|pass| pass.past).count(), 2);
+    let moving = still.map(|stem| (stem, stem == "temporal_traced"));
+    assert_eq!(stems(true), moving, "motion is a variant of a pass, and adds none");
     render(&mut renderer, camera, Settings::default(), 0);
     render(&mut renderer, camera, Settings::default(), 0);
     let before = renderer.scene().bytes();
     assert_eq!((renderer.scene().past_bytes(), renderer.scene().has_changed()), (0, false));
-    assert!(renderer.scene().past_set().is_none());
     pose(&mut renderer, &mut scene, 1.0);
     assert!(renderer.scene().past_bytes() > 0 && renderer.scene().bytes() > before);
     assert!(renderer.scene().has_changed());

@@ -3,7 +3,6 @@
 //! Where a pixel's center is not within 1/128 pixel of an edge, and no two surfaces are nearer together than 1e-4 of their
 //! distance, the triangle that is seen must be the oracle's. Elsewhere it must be one of those that meet there.
 
-use candela::frame::pass::BufferId;
 use candela::frame::renderer::{FrameOptions, Renderer};
 use candela::frame::schedule::{Primary, Work};
 use candela::scene::animation::{Channel, Curve, Interpolation, Local, Node, Thing, Track};
@@ -13,6 +12,7 @@ use shared::alpha::primary_key;
 use shared::camera::Camera;
 use shared::frame::{FrameConstants, Settings};
 use shared::raster::triangle;
+use shared::resources::Resource;
 use shared::surface::GBufferTexel;
 use tests::gpu::{assert_no_validation_messages, device, renderer};
 use tests::primary::{Candidate, Oracle, Planted, possible};
@@ -35,7 +35,7 @@ fn see(renderer: &mut Renderer, camera: Camera, primary: Primary) -> Seen {
     let gbuffer: Vec<GBufferTexel> = renderer.parts().1.gbuffer().read_vec().expect("it is read back");
     let triangles = match primary {
         Primary::Raster => {
-            let stored: Vec<UVec2> = renderer.read(BufferId::Visibility).expect("it is read back");
+            let stored: Vec<UVec2> = renderer.read(Resource::visibility).expect("it is read back");
             stored.into_iter().map(triangle).collect()
         }
         _ => vec![None; gbuffer.len()],

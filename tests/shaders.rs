@@ -1,14 +1,11 @@
 //! The committed shaders are fresh, and agree with `shared` and the host on everything that no compiler checks.
 
-use candela::frame::pass::{Rays, Stage};
-use candela::frame::passes;
 use candela::shader_library;
 use rspirv::spirv::{ExecutionModel, StorageClass};
 use shader_builder::manifest::{Manifest, Toolchain};
-use shared::interface::{
-    HitPayload, PassConstants, ShadowPayload, WORKGROUP, frame_binding as frame, past_binding as past,
-    scene_binding as scene,
-};
+use shared::interface::{HitPayload, PassConstants, ShadowPayload, WORKGROUP};
+use shared::passes::{Pass, Rays, Stage};
+use shared::resources::{Binding, Resource, set};
 use std::collections::BTreeSet;
 use std::path::Path;
 use std::process::Command;
@@ -69,7 +66,7 @@ fn every_module_has_its_entry_point() {
     assert_eq!(library.len(), manifest.modules.len());
     for &(stem, code) in shader_library::MODULES {
         assert!(manifest.modules.contains_key(stem), "{stem} is in the library and not in the manifest");
-        let expected = match passes::ALL.iter().find(|pass| pass.stem == stem).map(|pass| pass.stage) {
+        let expected = match Pass::ALL.iter().find(|pass| pass.stem() == stem).map(|pass| pass.stage()) {
             Some(Stage::Compute) => ExecutionModel::GLCompute,
             Some(Stage::Raster) => ExecutionModel::Fragment,
             Some(Stage::RayTracing(_)) => ExecutionModel::RayGenerationNV,
@@ -81,57 +78,48 @@ fn every_module_has_its_entry_point() {
         };
         assert_eq!(Spirv::parse(code).entry_points(), [(expected, stem.to_string())]);
     }
-    for pass in passes::ALL {
-        assert!(library.contains(&pass.stem), "pass {} has no shader", pass.stem);
+    for pass in Pass::ALL {
+        assert!(library.contains(&pass.stem()), "pass {} has no shader", pass.stem());
     }
 }
 
-/// What a buffer's elements are made of, by its place. One letter a scalar, in memory order.
-fn element(set: u32, binding: u32) -> Option<(&'static str, usize)> {
-    use shared::{
-        alias_table::AliasEntry, environment::EnvironmentTexel, geometry::*, light::Light,
-        light::tile::TileEntry, material::Material, motion::InstanceMotion, resampling::pairs::PairTargets,
-        reservoir::StoredReservoir, stored_ray::StoredRay, surface::GBufferTexel,
-    };
-    Some(match (set, binding) {
-        (scene::SET, scene::INSTANCES) => ("fffufffufffufffffffffffffu", size_of::<InstanceGeometry>()),
-        (scene::SET, scene::POSITIONS) => ("fff", 12),
-        (scene::SET, scene::ATTRIBUTES) => ("uuffu", size_of::<VertexAttributes>()),
-        (scene::SET, scene::INDICES) => ("u", 4),
-        (scene::SET, scene::MATERIALS) => {
-            ("ffffffffffffffuuuuuffffffuffffffuffffffuffffffu", size_of::<Material>())
-        }
-        (scene::SET, scene::SECOND_UVS) => ("ff", size_of::<glam::Vec2>()),
-        (scene::SET, scene::LIGHTS) | (past::SET, past::LIGHTS) => ("fffufffuffffffff", size_of::<Light>()),
-        (scene::SET, scene::ENVIRONMENT) => ("fffu", size_of::<EnvironmentTexel>()),
-        (scene::SET, scene::ALIAS) => ("uuff", size_of::<AliasEntry>()),
-        (frame::SET, frame::GBUFFER | frame::PREVIOUS_GBUFFER) => ("uuuuuuuu", size_of::<GBufferTexel>()),
-        (frame::SET, frame::RESERVOIRS_IN | frame::RESERVOIRS_OUT | frame::RESERVOIRS_HISTORY) => {
-            ("uuff", size_of::<StoredReservoir>())
-        }
-        (frame::SET, frame::PAIR_TARGETS) => ("ffu", size_of::<PairTargets>()),
-        (frame::SET, frame::RADIANCE | frame::MEAN | frame::REFERENCE) => ("fff", 12),
-        (frame::SET, frame::STATISTICS) => ("fff", 12),
-        (frame::SET, frame::RAYS) => ("fffufffu", size_of::<StoredRay>()),
-        (frame::SET, frame::DISPLAY | frame::HITS) => ("u", 4),
-        (frame::SET, frame::TILE_ENTRIES) => ("fffuuufu", size_of::<TileEntry>()),
-        (frame::SET, frame::VISIBILITY) => ("uu", size_of::<glam::UVec2>()),
-        (frame::SET, frame::TILE_POINTS) => ("u", 4),
-        (past::SET, past::MOTIONS) => ("fffffffffffffffu", size_of::<InstanceMotion>()),
-        (past::SET, past::PREVIOUS_TO_CURRENT | past::CURRENT_TO_PREVIOUS) => ("u", 4),
-        _ => return None,
-    })
+/// What a buffer's elements are made of. One letter a scalar, in memory order.
+fn scalars(resource: Resource) -> &'static str {
+    match resource {
+        Resource::instances => "fffufffufffufffffffffffffu",
+        Resource::positions | Resource::radiance | Resource::mean | Resource::reference => "fff",
+        Resource::attributes => "uuffu",
+        Resource::indices | Resource::display | Resource::hits | Resource::tile_points => "u",
+        Resource::materials => "ffffffffffffffuuuuuffffffuffffffuffffffuffffffu",
+        Resource::second_uvs => "ff",
+        Resource::lights | Resource::previous_lights => "fffufffuffffffff",
+        Resource::environment => "fffu",
+        Resource::alias => "uuff",
+        Resource::gbuffer => "uuuuuuuu",
+        Resource::reservoirs => "uuff",
+        Resource::pair_targets => "ffu",
+        Resource::statistics => "fff",
+        Resource::rays => "fffufffu",
+        Resource::tile_entries => "fffuuufu",
+        Resource::visibility => "uu",
+        Resource::motions => "fffffffffffffffu",
+        Resource::previous_to_current | Resource::current_to_previous => "u",
+    }
+}
+
+fn bound_at(place: (u32, u32)) -> Option<Binding> {
+    Binding::ALL.iter().copied().find(|binding| (binding.set(), binding.number()) == place)
 }
 
 #[test]
 fn buffers_have_the_layout_of_their_structs() {
     for &(stem, code) in shader_library::MODULES {
-        for ((set, binding), layout) in Spirv::parse(code).bindings() {
-            let Some((scalars, size)) = element(set, binding) else { continue };
-            let layout =
-                layout.unwrap_or_else(|| panic!("{stem}: set {set}, binding {binding} is no buffer"));
+        for (place, layout) in Spirv::parse(code).bindings() {
+            let Some(binding) = bound_at(place) else { continue };
+            let (scalars, size) = (scalars(binding.resource()), binding.resource().stride());
+            let layout = layout.unwrap_or_else(|| panic!("{stem}: {binding:?} is no buffer"));
             let expected = Layout { scalars: scalars.into(), dense: true, stride: Some(size as u32) };
-            assert_eq!(layout, expected, "{stem}: set {set}, binding {binding}");
+            assert_eq!(layout, expected, "{stem}: {binding:?}");
             assert_eq!(scalars.len() * 4, size, "the expectation itself");
         }
     }
@@ -141,7 +129,7 @@ fn buffers_have_the_layout_of_their_structs() {
 fn frame_constants_have_one_layout() {
     let size = size_of::<shared::frame::FrameConstants>();
     for &(stem, code) in shader_library::MODULES {
-        if let Some(Some(layout)) = Spirv::parse(code).bindings().remove(&(frame::SET, frame::CONSTANTS)) {
+        if let Some(Some(layout)) = Spirv::parse(code).bindings().remove(&(set::FRAME, set::CONSTANTS)) {
             assert!(
                 layout.dense && layout.scalars.len() * 4 == size,
                 "{stem}: {layout:?} is not {size} bytes"
@@ -150,34 +138,31 @@ fn frame_constants_have_one_layout() {
     }
 }
 
-/// Set 1 of a shader is what its pass declares, no more and no less; set 0 has only what the scene provides.
+/// A shader binds nothing that its pass does not declare, and writes all that it declares to be written.
 #[test]
 fn passes_declare_what_their_shaders_use() {
-    for pass in passes::ALL {
-        let drawn = pass.stage == Stage::Raster;
+    for pass in Pass::ALL {
+        let drawn = pass.stage() == Stage::Raster;
         let parts = if drawn { &["_vertex", "", "_alpha_vertex", "_alpha"][..] } else { &[""] };
-        let bindings: BTreeSet<(u32, u32)> = parts
-            .iter()
-            .flat_map(|part| {
-                Spirv::parse(shader_library::spirv(&format!("{}{part}", pass.stem)).unwrap()).bindings()
-            })
-            .map(|(place, _)| place)
-            .collect();
-        let used: Vec<u32> = bindings.iter().filter(|k| k.0 == frame::SET).map(|k| k.1).collect();
-        let mut declared: Vec<u32> = pass.uses.iter().map(|(role, _)| role.binding()).collect();
-        if drawn {
-            // Its image is copied to the buffer that it declares.
-            assert_eq!(declared, [frame::VISIBILITY]);
-            declared.clear();
+        let of_part =
+            |part| Spirv::parse(shader_library::spirv(&format!("{}{part}", pass.stem())).unwrap()).bindings();
+        let used: BTreeSet<(u32, u32)> = parts.iter().flat_map(of_part).map(|(place, _)| place).collect();
+        let declared =
+            |place| bound_at(place).is_some_and(|binding| pass.uses().iter().any(|u| u.0 == binding));
+        for &(set, number) in &used {
+            let scene = set == set::SCENE && (drawn || number == set::STRUCTURE || number == set::TEXTURES);
+            let past = (set, number) == (set::PAST, set::STRUCTURE);
+            let constants = (set, number) == (set::FRAME, set::CONSTANTS);
+            assert!(
+                scene || past || constants || declared((set, number)),
+                "{pass:?} binds {number} of set {set} without a word"
+            );
         }
-        declared.push(frame::CONSTANTS);
-        declared.sort_unstable();
-        assert_eq!(used, declared, "{}", pass.stem);
-        let of_the_past: Vec<u32> = bindings.iter().filter(|k| k.0 == past::SET).map(|k| k.1).collect();
-        assert_eq!(!of_the_past.is_empty(), pass.past, "{}", pass.stem);
-        assert!(of_the_past.iter().all(|&binding| binding <= past::CURRENT_TO_PREVIOUS));
-        let known = |set: u32| [frame::SET, past::SET].contains(&set);
-        assert!(bindings.iter().all(|k| known(k.0) || k.0 == scene::SET && k.1 <= scene::TEXTURES));
+        for (binding, access) in pass.uses() {
+            // What is drawn is copied to the buffer.
+            let found = used.contains(&(binding.set(), binding.number()));
+            assert!(found || drawn || !access.writes(), "{pass:?} does not write {binding:?}");
+        }
     }
 }
 
@@ -193,9 +178,9 @@ fn payloads_and_push_constants_have_one_layout() {
     assert_eq!(incoming("shadow_miss"), [shadow]);
     assert_eq!(incoming("primary_any_hit"), incoming("closest_hit"));
     assert_eq!(incoming("shadow_any_hit"), incoming("shadow_miss"));
-    for pass in passes::ALL {
-        let module = Spirv::parse(shader_library::spirv(pass.stem).unwrap());
-        let expected = match pass.stage {
+    for pass in Pass::ALL {
+        let module = Spirv::parse(shader_library::spirv(pass.stem()).unwrap());
+        let expected = match pass.stage() {
             Stage::RayTracing(Rays::Primary) => incoming("closest_hit"),
             Stage::RayTracing(Rays::Shadow) => incoming("shadow_miss"),
             Stage::RayTracing(Rays::Both) => {
@@ -209,16 +194,16 @@ fn payloads_and_push_constants_have_one_layout() {
             layouts
         };
         let payloads = module.layouts_of(StorageClass::RayPayloadNV);
-        assert_eq!(sorted(payloads), sorted(expected), "{}", pass.stem);
+        assert_eq!(sorted(payloads), sorted(expected), "{}", pass.stem());
         for constants in module.layouts_of(StorageClass::PushConstant) {
             assert!(
                 constants.dense && constants.scalars.len() * 4 == size_of::<PassConstants>(),
                 "{}",
-                pass.stem
+                pass.stem()
             );
         }
-        if pass.stage == Stage::Compute {
-            assert_eq!(module.workgroup(), Some([WORKGROUP[0], WORKGROUP[1], 1]), "{}", pass.stem);
+        if pass.stage() == Stage::Compute {
+            assert_eq!(module.workgroup(), Some([WORKGROUP[0], WORKGROUP[1], 1]), "{}", pass.stem());
         }
     }
 }

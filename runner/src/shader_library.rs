@@ -6,18 +6,23 @@ pub fn spirv(stem: &str) -> Option<&'static [u8]> {
 }
 
 macro_rules! modules {
-    ($($stem:literal)*) => {
+    ($($pass:ident)*; $($other:ident)*) => {
         /// (entry point, SPIR-V) of every shader.
-        pub const MODULES: &[(&str, &[u8])] =
-            &[$(($stem, include_bytes!(concat!("../../assets/shaders/", $stem, ".spv")))),*];
+        pub const MODULES: &[(&str, &[u8])] = &[$(modules!($pass),)* $(modules!($other)),*];
+    };
+    ($stem:ident) => {
+        (stringify!($stem), include_bytes!(concat!("../../assets/shaders/", stringify!($stem), ".spv")))
     };
 }
 
-modules! {
-    "gbuffer" "visibility_vertex" "visibility" "visibility_alpha_vertex" "visibility_alpha" "gbuffer_raster"
-    "initial" "temporal" "spatial" "shade" "shade_known" "tonemap" "reference"
-    "accumulate" "view" "statistics" "floor_primary" "floor_shadow" "floor_copy"
-    "presample" "initial_tiled" "temporal_unbiased" "spatial_unbiased"
-    "temporal_known" "temporal_moving" "temporal_unbiased_moving" "pair_targets" "pair_merge"
-    "closest_hit" "primary_any_hit" "shadow_any_hit" "primary_miss" "shadow_miss"
+macro_rules! passes {
+    ($(($body:ident $extent:ident { $($stage:ident $rays:tt $stem:ident),* } $read:tt $update:tt $write:tt))*) => {
+        modules! {
+            $($($stem)*)*;
+            visibility_vertex visibility_alpha_vertex visibility_alpha
+            closest_hit primary_any_hit shadow_any_hit primary_miss shadow_miss
+        }
+    };
 }
+
+shared::passes!(passes);

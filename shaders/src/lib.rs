@@ -1,33 +1,179 @@
-//! GPU entry points, one file a pass; in the order of a frame: [`gbuffer`] (or [`visibility`] and [`gbuffer_raster`]),
-//! [`initial`], [`temporal`], [`spatial`], [`shade`], [`tonemap`]. An entry loads, calls `shared`, stores: no arithmetic. Rays are traced here and nowhere else.
+//! GPU entry points. Those of passes are written here by the tables of [`shared::resources`] and [`shared::passes`]: each loads what its
+//! body asks for, runs the body, and stores what that gives. By hand stand those that know images or the hardware: [`hit`],
+//! [`visibility`], [`primary`]. No arithmetic; rays are traced in [`trace`] and nowhere else.
 #![cfg_attr(target_arch = "spirv", no_std)]
 // An entry's arguments are its bindings.
 #![allow(clippy::too_many_arguments)]
 
-pub mod accumulate;
-pub mod floors;
-pub mod gbuffer;
-pub mod gbuffer_raster;
 pub mod hit;
-pub mod initial;
-pub mod initial_tiled;
-pub mod pair_merge;
-pub mod pair_targets;
-pub mod presample;
 pub mod primary;
-pub mod reference;
-pub mod shade;
-pub mod shade_known;
-pub mod spatial;
-pub mod spatial_unbiased;
-pub mod statistics;
-pub mod temporal;
-pub mod temporal_known;
-pub mod temporal_moving;
-pub mod temporal_unbiased;
-pub mod temporal_unbiased_moving;
 pub mod textures;
-pub mod tonemap;
 pub mod trace;
-pub mod view;
 pub mod visibility;
+
+use crate::textures::Textures;
+use crate::trace::{Eye, Nearest, Previous, Traced};
+use shared::alias_table::AliasEntry;
+use shared::environment::EnvironmentTexel;
+use shared::frame::FrameConstants;
+use shared::geometry::{InstanceGeometry, VertexAttributes};
+use shared::glam::{UVec2, UVec3, Vec2, Vec3};
+use shared::interface::{HitPayload, PassConstants, ShadowPayload};
+use shared::light::Light;
+use shared::light::tile::TileEntry;
+use shared::material::Material;
+use shared::motion::InstanceMotion;
+use shared::passes::pair_targets::PairTargets;
+use shared::passes::{Assumed, At, Silent};
+use shared::reservoir::StoredReservoir;
+use shared::resources::Extent;
+use shared::statistics::BlockSums;
+use shared::stored_ray::StoredRay;
+use shared::surface::GBufferTexel;
+use spirv_std::ray_tracing::AccelerationStructure;
+use spirv_std::spirv;
+
+/// The functions that entry points of the same names run.
+mod body {
+    pub use crate::primary::{gbuffer, gbuffer_raster, roofline_primary};
+    pub use shared::passes::{
+        accumulate, initial, pair_merge, pair_targets, presample, reference, roofline_copy, roofline_shadow,
+        shade, spatial, statistics, temporal, tonemap, view,
+    };
+}
+
+/// Defines `entry!`, which adds the parameters of one binding after the other to an entry point, and then writes it.
+macro_rules! define_entry {
+    ($(($set:tt $buffer:ident ($element:ty) $copies:literal $extent:ident { $($name:ident = $binding:tt),* }))*) => {
+        entry_rules! { ($) $($($name $set $binding ($element))*)* }
+    };
+}
+
+// `$d` stands for the dollar sign of the inner macro. Arguments: what is still to be read, updated and written; parameters,
+// arguments of the body and stores so far; and the pass.
+macro_rules! entry_rules {
+    (($d:tt) $($name:ident $set:tt $binding:tt ($element:ty))*) => {
+        macro_rules! entry {
+            $(
+            ([$name $d($read:ident)*] $update:tt $write:tt [$d($params:tt)*] [$d($args:tt)*] $stores:tt $pass:tt) => {
+                entry! { [$d($read)*] $update $write
+                    [$d($params)* #[spirv(storage_buffer, descriptor_set = $set, binding = $binding)] $name: &[$element],]
+                    [$d($args)* (read $name)] $stores $pass }
+            };
+            ([] [$name $d($update:ident)*] $write:tt [$d($params:tt)*] [$d($args:tt)*] [$d($stores:ident)*] $pass:tt) => {
+                entry! { [] [$d($update)*] $write
+                    [$d($params)* #[spirv(storage_buffer, descriptor_set = $set, binding = $binding)] $name: &mut [$element],]
+                    [$d($args)* (own $name)] [$d($stores)* $name] $pass }
+            };
+            ([] [] [$name $d($write:ident)*] [$d($params:tt)*] $args:tt [$d($stores:ident)*] $pass:tt) => {
+                entry! { [] [] [$d($write)*]
+                    [$d($params)* #[spirv(storage_buffer, descriptor_set = $set, binding = $binding)] $name: &mut [$element],]
+                    $args [$d($stores)* $name] $pass }
+            };
+            )*
+            ([textures $d($read:ident)*] $update:tt $write:tt [$d($params:tt)*] [$d($args:tt)*] $stores:tt $pass:tt) => {
+                entry! { [$d($read)*] $update $write
+                    [$d($params)* #[spirv(descriptor_set = 0, binding = 10)] textures: &Textures,]
+                    [$d($args)* (read textures)] $stores $pass }
+            };
+            ([] [] [] $params:tt $args:tt $stores:tt $pass:tt) => {
+                written! { $pass $params $args $stores }
+            };
+        }
+    };
+}
+
+/// The entry point of a pass; what comes before its buffers hangs on how it runs.
+macro_rules! written {
+    (($body:ident $stem:ident $extent:ident compute) $params:tt $args:tt $stores:tt) => {
+        function! { (compute(threads(32, 4, 1))) (global_invocation_id) id features []
+            $stem $extent $body [] $params $args $stores }
+    };
+    (($body:ident $stem:ident $extent:ident known) $params:tt $args:tt $stores:tt) => {
+        function! { (compute(threads(32, 4, 1))) (global_invocation_id) id features []
+            $stem $extent $body [Assumed, Silent,] $params $args $stores }
+    };
+    (($body:ident $stem:ident $extent:ident primary) $params:tt $args:tt $stores:tt) => {
+        function! { (ray_generation) (launch_id) id features
+            [#[spirv(descriptor_set = 0, binding = 0)] tlas: &AccelerationStructure,
+            #[spirv(ray_payload)] payload: &mut HitPayload,]
+            $stem $extent $body [Eye { tlas, payload },] $params $args $stores }
+    };
+    (($body:ident $stem:ident $extent:ident traced shadow) $params:tt $args:tt $stores:tt) => {
+        function! { (ray_generation) (launch_id) id features
+            [#[spirv(descriptor_set = 0, binding = 0)] tlas: &AccelerationStructure,
+            #[spirv(ray_payload)] payload: &mut ShadowPayload,]
+            $stem $extent $body [Traced { features, tlas, payload }, Silent,] $params $args $stores }
+    };
+    (($body:ident $stem:ident $extent:ident traced shadow nearest) $params:tt $args:tt $stores:tt) => {
+        function! { (ray_generation) (launch_id) id features
+            [#[spirv(descriptor_set = 0, binding = 0)] tlas: &AccelerationStructure,
+            #[spirv(ray_payload)] payload: &mut ShadowPayload,
+            #[spirv(ray_payload)] nearest: &mut HitPayload,]
+            $stem $extent $body [Nearest { features, tlas, payload, nearest }, Silent,] $params $args $stores }
+    };
+    (($body:ident $stem:ident $extent:ident traced shadow previous) $params:tt $args:tt $stores:tt) => {
+        function! { (ray_generation) (launch_id) id features
+            [#[spirv(descriptor_set = 0, binding = 0)] tlas: &AccelerationStructure,
+            #[spirv(descriptor_set = 2, binding = 0)] previous_tlas: &AccelerationStructure,
+            #[spirv(ray_payload)] payload: &mut ShadowPayload,]
+            $stem $extent $body [Previous { features, tlas, previous_tlas, payload }, Silent,] $params $args $stores }
+    };
+}
+
+macro_rules! function {
+    (($($stage:tt)*) ($launch:ident) $id:ident $features:ident [$($start:tt)*] $stem:ident $extent:ident $body:ident
+        [$($context:expr,)*] [$($params:tt)*] [$(($access:ident $arg:ident))*] $stores:tt) => {
+        #[spirv($($stage)*)]
+        pub fn $stem(
+            #[spirv($launch)] $id: UVec3,
+            #[spirv(spec_constant(id = 0, default = 0))] $features: u32,
+            #[spirv(spec_constant(id = 1, default = 0))] variant: u32,
+            #[spirv(push_constant)] constants: &PassConstants,
+            #[spirv(uniform, descriptor_set = 1, binding = 0)] frame: &FrameConstants,
+            $($start)*
+            $($params)*
+        ) {
+            let at = At::new(frame, *constants, $features, variant, $id);
+            if at.pixel.cmpge(at.threads(Extent::$extent)).any() {
+                return;
+            }
+            let index = at.index(Extent::$extent);
+            store!($stores index, body::$body(at, $($context,)* $(argument!($access $arg index),)*));
+        }
+    };
+}
+
+/// What a body gets of a buffer: all of it, or this thread's own element.
+macro_rules! argument {
+    (read $name:ident $index:ident) => {
+        $name
+    };
+    (own $name:ident $index:ident) => {
+        $name[$index]
+    };
+}
+
+macro_rules! store {
+    ([$out:ident] $index:ident, $value:expr) => { $out[$index] = $value; };
+    ([$($out:ident)*] $index:ident, $value:expr) => { ($($out[$index]),*) = $value; };
+}
+
+macro_rules! entries {
+    ($(($body:ident $extent:ident { $($stage:ident($($rays:ident)*) $stem:ident),* }
+        [$($read:ident)*] [$($update:ident)*] [$($write:ident)*]))*) => {
+        $(entries_of! { $body $extent [$($stage($($rays)*) $stem)*] [$($read)*] [$($update)*] [$($write)*] })*
+    };
+}
+
+macro_rules! entries_of {
+    ($body:ident $extent:ident [] $read:tt $update:tt $write:tt) => {};
+    ($body:ident $extent:ident [drawn() $stem:ident] $read:tt $update:tt $write:tt) => {};
+    ($body:ident $extent:ident [$stage:ident($($rays:ident)*) $stem:ident $($more:tt)*] $read:tt $update:tt $write:tt) => {
+        entry! { $read $update $write [] [] [] ($body $stem $extent $stage $($rays)*) }
+        entries_of! { $body $extent [$($more)*] $read $update $write }
+    };
+}
+
+shared::resources!(define_entry);
+shared::passes!(entries);

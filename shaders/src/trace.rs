@@ -1,4 +1,4 @@
-//! The only three ways a ray leaves a shader.
+//! The only ways a ray leaves a shader.
 //!
 //! Loops around a trace are `while` loops over integers: NVIDIA's driver (580.159) loses or repeats iterations of what rust-gpu 0.10
 //! makes of `for .. in range` when some rays of a warp are skipped (seen as lights added twice or never by `reference`).
@@ -7,12 +7,8 @@ use shared::alpha;
 use shared::frame::features;
 use shared::glam::Vec3;
 use shared::interface::{HitPayload, ShadowPayload, hit_group, miss};
-use shared::light::LightTable;
-use shared::light::found::Emitters;
-use shared::resampling::initial::{Fresh, Glance, Techniques};
-use shared::rng::Rng;
+use shared::passes::{Question, Visibility};
 use shared::shadow::ShadowRay;
-use shared::surface::Surface;
 use spirv_std::ray_tracing::{AccelerationStructure, RayFlags};
 
 /// Far enough for every scene, and far from overflow.
@@ -23,45 +19,29 @@ fn opacity(features: u32) -> RayFlags {
     if features & features::ALPHA == 0 { RayFlags::OPAQUE } else { RayFlags::NONE }
 }
 
-/// The nearest surface from `origin` along `direction` (unit), into `payload`; single-sided ones only from their front.
-/// `key`: of [`shared::alpha`].
-pub fn trace_primary(
-    tlas: &AccelerationStructure,
-    features: u32,
-    origin: Vec3,
-    direction: Vec3,
-    key: u32,
-    payload: &mut HitPayload,
-) {
-    *payload = HitPayload { key, ..HitPayload::default() };
-    // Instances of double-sided primitives switch culling off.
-    let flags = opacity(features) | RayFlags::CULL_BACK_FACING_TRIANGLES;
-    // SAFETY: `payload` is a ray payload of the type that the hit and miss shaders declare.
-    unsafe {
-        tlas.trace_ray(flags, 0xff, 0, 0, miss::PRIMARY as i32, origin, 0.0, direction, T_MAX, payload);
-    }
+/// Rays from the eye.
+pub struct Eye<'a> {
+    pub tlas: &'a AccelerationStructure,
+    pub payload: &'a mut HitPayload,
 }
 
-/// The nearest surface from `origin` along `direction` (unit) that surely is in the way, into `payload`: both sides of
-/// everything, as for shadow rays. For passes whose rays are [`hit_group::NEAREST`]'s too.
-fn trace_nearest(
-    tlas: &AccelerationStructure,
-    features: u32,
-    origin: Vec3,
-    direction: Vec3,
-    payload: &mut HitPayload,
-) {
-    *payload = HitPayload { key: alpha::SURE_HITS_ONLY, ..HitPayload::default() };
-    let (flags, group) = (opacity(features), hit_group::NEAREST as i32);
-    // SAFETY: `payload` is a ray payload of the type that the hit and miss shaders declare.
-    unsafe {
-        tlas.trace_ray(flags, 0xff, group, 0, miss::PRIMARY as i32, origin, 0.0, direction, T_MAX, payload);
+impl Eye<'_> {
+    /// The nearest surface from `origin` along `direction` (unit); single-sided ones only from their front. `key`: of
+    /// [`shared::alpha`].
+    pub fn trace(self, features: u32, origin: Vec3, direction: Vec3, key: u32) -> HitPayload {
+        *self.payload = HitPayload { key, ..HitPayload::default() };
+        // Instances of double-sided primitives switch culling off.
+        let flags = opacity(features) | RayFlags::CULL_BACK_FACING_TRIANGLES;
+        let (miss, payload) = (miss::PRIMARY as i32, self.payload);
+        // SAFETY: `payload` is a ray payload of the type that the hit and miss shaders declare.
+        unsafe { self.tlas.trace_ray(flags, 0xff, 0, 0, miss, origin, 0.0, direction, T_MAX, payload) };
+        *payload
     }
 }
 
 /// Is nothing between the ends of `ray`? Both sides of everything block it, whatever its material says: a thin wall has
 /// a shadow. `key`: of [`shared::alpha`].
-pub fn trace_shadow(
+fn trace_shadow(
     tlas: &AccelerationStructure,
     features: u32,
     ray: ShadowRay,
@@ -77,25 +57,62 @@ pub fn trace_shadow(
     payload.visible != 0
 }
 
-/// Lets rays along the reflectance of `surface` look for lights, and adds what they find to `fresh`.
-pub fn trace_glances(
-    tlas: &AccelerationStructure,
-    surface: &Surface,
-    lights: LightTable<'_>,
-    emitters: Emitters<'_>,
-    techniques: Techniques,
-    fresh: &mut Fresh,
-    rng: &mut Rng,
-    nearest: &mut HitPayload,
-) {
-    let mut i = 0;
-    while i < techniques.bsdf {
-        let glance = Glance::new(surface, rng);
-        if glance.is_worth_tracing(surface) {
-            trace_nearest(tlas, emitters.features, glance.origin, glance.direction, nearest);
-            let light = emitters.light_at(*nearest, glance.direction);
-            fresh.add_found(glance.candidate(surface, lights, techniques, light));
-        }
-        i += 1;
+/// Shadow rays.
+pub struct Traced<'a> {
+    pub features: u32,
+    pub tlas: &'a AccelerationStructure,
+    pub payload: &'a mut ShadowPayload,
+}
+
+impl Visibility for Traced<'_> {
+    const TRACES: bool = true;
+
+    fn sees(&mut self, _: Question, ray: ShadowRay, key: u32) -> bool {
+        trace_shadow(self.tlas, self.features, ray, key, self.payload)
+    }
+}
+
+/// Shadow rays and BSDF rays.
+pub struct Nearest<'a> {
+    pub features: u32,
+    pub tlas: &'a AccelerationStructure,
+    pub payload: &'a mut ShadowPayload,
+    pub nearest: &'a mut HitPayload,
+}
+
+impl Visibility for Nearest<'_> {
+    const TRACES: bool = true;
+
+    fn sees(&mut self, _: Question, ray: ShadowRay, key: u32) -> bool {
+        trace_shadow(self.tlas, self.features, ray, key, self.payload)
+    }
+
+    fn nearest(&mut self, origin: Vec3, direction: Vec3) -> HitPayload {
+        *self.nearest = HitPayload { key: alpha::SURE_HITS_ONLY, ..HitPayload::default() };
+        let (flags, group, miss) = (opacity(self.features), hit_group::NEAREST as i32, miss::PRIMARY as i32);
+        let payload = &mut *self.nearest;
+        // SAFETY: `payload` is a ray payload of the type that the hit and miss shaders declare.
+        unsafe { self.tlas.trace_ray(flags, 0xff, group, 0, miss, origin, 0.0, direction, T_MAX, payload) };
+        *self.nearest
+    }
+}
+
+/// Shadow rays, now and in the previous frame.
+pub struct Previous<'a> {
+    pub features: u32,
+    pub tlas: &'a AccelerationStructure,
+    pub previous_tlas: &'a AccelerationStructure,
+    pub payload: &'a mut ShadowPayload,
+}
+
+impl Visibility for Previous<'_> {
+    const TRACES: bool = true;
+
+    fn sees(&mut self, _: Question, ray: ShadowRay, key: u32) -> bool {
+        trace_shadow(self.tlas, self.features, ray, key, self.payload)
+    }
+
+    fn saw(&mut self, _: Question, ray: ShadowRay, key: u32) -> bool {
+        trace_shadow(self.previous_tlas, self.features, ray, key, self.payload)
     }
 }

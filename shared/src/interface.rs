@@ -1,5 +1,4 @@
-//! What shaders and host must agree on: payloads, bindings, indices. (rust-gpu wants literals in its attributes;
-//! a test reads the .spv files and compares them with these.)
+//! What shaders and host must agree on beside [`crate::resources`]: payloads, push constants, indices.
 
 use bytemuck::{Pod, Zeroable};
 use glam::Vec2;
@@ -62,60 +61,8 @@ pub mod hit_group {
 pub mod spec_constant {
     /// [`crate::frame::features`] of the scene.
     pub const FEATURES: u32 = 0;
-}
-
-/// Descriptor set 0: the scene, the same for all frames.
-pub mod scene_binding {
-    pub const SET: u32 = 0;
-    pub const TLAS: u32 = 0;
-    pub const INSTANCES: u32 = 1;
-    pub const POSITIONS: u32 = 2;
-    pub const ATTRIBUTES: u32 = 3;
-    pub const INDICES: u32 = 4;
-    pub const MATERIALS: u32 = 5;
-    pub const LIGHTS: u32 = 6;
-    pub const ALIAS: u32 = 7;
-    pub const SECOND_UVS: u32 = 8;
-    pub const ENVIRONMENT: u32 = 9;
-    /// The last one: its length varies.
-    pub const TEXTURES: u32 = 10;
-}
-
-/// Descriptor set 1: the buffers of a frame, pushed for each pass.
-pub mod frame_binding {
-    pub const SET: u32 = 1;
-    pub const CONSTANTS: u32 = 0;
-    pub const GBUFFER: u32 = 1;
-    pub const PREVIOUS_GBUFFER: u32 = 2;
-    pub const RESERVOIRS_IN: u32 = 3;
-    pub const RESERVOIRS_OUT: u32 = 4;
-    pub const RESERVOIRS_HISTORY: u32 = 5;
-    pub const RADIANCE: u32 = 6;
-    pub const DISPLAY: u32 = 7;
-    pub const TILE_ENTRIES: u32 = 8;
-    pub const TILE_POINTS: u32 = 9;
-    /// The viewer's: mean over frames, the reference's, sums over blocks of pixels.
-    pub const MEAN: u32 = 10;
-    pub const REFERENCE: u32 = 11;
-    pub const STATISTICS: u32 = 12;
-    /// Of the floors: rays to trace again, and whether each met anything.
-    pub const RAYS: u32 = 13;
-    pub const HITS: u32 = 14;
-    /// Which triangle each pixel sees, see [`crate::raster`].
-    pub const VISIBILITY: u32 = 15;
-    /// See [`crate::resampling::pairs`].
-    pub const PAIR_TARGETS: u32 = 16;
-}
-
-/// Descriptor set 2: the scene as it was in the previous frame, for passes that ask for it.
-pub mod past_binding {
-    pub const SET: u32 = 2;
-    pub const TLAS: u32 = 0;
-    pub const LIGHTS: u32 = 1;
-    /// [`crate::motion::InstanceMotion`], one for each of the scene's instance geometries.
-    pub const MOTIONS: u32 = 2;
-    pub const PREVIOUS_TO_CURRENT: u32 = 3;
-    pub const CURRENT_TO_PREVIOUS: u32 = 4;
+    /// [`crate::passes::variant`] of the pass.
+    pub const VARIANT: u32 = 1;
 }
 
 /// Threads of a compute pass's workgroup, in x and y.

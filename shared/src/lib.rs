@@ -28,8 +28,8 @@
 //!
 //! Reading order: [`math`], [`rng`], [`pdf`], [`sampling`], [`alias_table`], [`environment`], [`light`], [`camera`],
 //! [`frame`], [`geometry`], [`raster`], [`material`], [`ray_cone`], [`alpha`], [`surface`], [`bsdf`], [`target`], [`shadow`],
-//! [`reservoir`], [`motion`], [`resampling`], [`shading`], [`reference`], [`tonemap`], [`view`], [`statistics`],
-//! [`stored_ray`], [`interface`].
+//! [`reservoir`], [`motion`], [`resampling`], [`shading`], [`passes`], [`tonemap`], [`view`], [`statistics`],
+//! [`stored_ray`], [`resources`], [`interface`].
 #![cfg_attr(target_arch = "spirv", no_std)]
 #![cfg_attr(target_arch = "spirv", feature(asm_experimental_arch))]
 
@@ -45,12 +45,13 @@ pub mod light;
 pub mod material;
 pub mod math;
 pub mod motion;
+pub mod passes;
 pub mod pdf;
 pub mod raster;
 pub mod ray_cone;
-pub mod reference;
 pub mod resampling;
 pub mod reservoir;
+pub mod resources;
 pub mod rng;
 pub mod sampling;
 pub mod shading;

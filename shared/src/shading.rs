@@ -9,13 +9,13 @@ use glam::Vec3;
 
 /// Radiance that reaches the camera if `ray` meets nothing.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Proposal {
+pub struct Contribution {
     /// f Le G W, nit, linear RGB.
     pub radiance: Vec3,
     pub ray: ShadowRay,
 }
 
-impl Proposal {
+impl Contribution {
     /// No ray is worth tracing for nothing.
     pub fn is_dark(&self) -> bool {
         self.radiance == Vec3::ZERO
@@ -25,12 +25,12 @@ impl Proposal {
 /// f Le G W of the survivor, and the ray that decides over it.
 ///
 /// Equation (10): Bitterli (6); thesis (4.17).
-pub fn propose(surface: &Surface, lights: LightTable<'_>, reservoir: StoredReservoir) -> Proposal {
+pub fn contribution(surface: &Surface, lights: LightTable<'_>, reservoir: StoredReservoir) -> Contribution {
     if reservoir.contribution_weight <= 0.0 {
-        return Proposal::default();
+        return Contribution::default();
     }
     let incident = lights.incident(reservoir.sample, surface.position);
-    Proposal {
+    Contribution {
         radiance: unshadowed(surface, &incident) * reservoir.contribution_weight,
         ray: ShadowRay::new(surface, &incident),
     }
@@ -44,10 +44,10 @@ pub struct Average {
 }
 
 impl Average {
-    pub fn add(&mut self, proposal: Proposal, visible: bool) {
+    pub fn add(&mut self, shaded: Contribution, visible: bool) {
         self.count += 1.0;
         if visible {
-            self.sum += proposal.radiance;
+            self.sum += shaded.radiance;
         }
     }
 

@@ -1,21 +1,22 @@
 //! `candela info --pipelines`: what the driver's compiler made of each pass.
 
 use crate::error::Result;
-use crate::frame::passes::ALL;
 use crate::frame::pipelines::Pipelines;
 use crate::gpu_scene::GpuScene;
 use crate::vulkan::Device;
 use crate::vulkan::executables::Executable;
+use shared::passes::{Pass, variant};
 
-/// Of all passes, specialised for `scene`, in frame order.
+/// Of all passes, specialised for `scene`, in frame order: in the variant that a frame of the default settings has.
 pub fn executables(device: &Device, scene: &GpuScene) -> Result<Vec<(&'static str, Vec<Executable>)>> {
     let mut pipelines = Pipelines::new(device, scene.set().layout(), scene.features())?;
-    pipelines.prepare(ALL.into_iter())?;
-    let of = |pass: &'static crate::frame::pass::Pass| {
-        let pipeline = pipelines.get(pass).map(|made| made.pipeline().executables());
-        Ok((pass.stem, pipeline.transpose()?.unwrap_or_default()))
+    let passes = || Pass::ALL.iter().map(|&pass| (pass, variant::UNBIASED));
+    pipelines.prepare(passes())?;
+    let of = |(pass, variant): (Pass, u32)| {
+        let pipeline = pipelines.get(pass, variant).map(|made| made.pipeline().executables());
+        Ok((pass.stem(), pipeline.transpose()?.unwrap_or_default()))
     };
-    ALL.into_iter().map(of).collect()
+    passes().map(of).collect()
 }
 
 /// One table in Markdown: an executable a row, a number a column.

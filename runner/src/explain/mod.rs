@@ -1,22 +1,22 @@
-//! One pixel of one frame, replayed on the CPU by the functions that the shaders are made of, and compared with what the GPU
-//! computed for it.
+//! One pixel of one frame, replayed on the CPU by the bodies of its passes, and compared with what the GPU computed for it.
 //!
-//! Each pass is replayed from the GPU's own input to it, so that differences don't add up from pass to pass. Visibility is
+//! Each body runs from the GPU's own input to it, so that differences don't add up from pass to pass. Visibility is
 //! asked of every triangle, in f64. Not replayed: the primary ray's textures and normal maps (the G-buffer is taken as it is).
 
 mod compare;
+mod heard;
 mod rays;
 pub mod record;
 mod replay;
-mod temporal;
 mod texels;
 mod text;
 
 pub use record::Explanation;
 
 use crate::error::{Error, Result};
+use crate::frame::follow::{Follower, Ran};
 use crate::frame::history::History;
-use crate::frame::pass::{Access, Role, Step};
+use crate::frame::pass::Step;
 use crate::frame::recorder::{FrameOptions, Recorder};
 use crate::frame::schedule::Work;
 use crate::gpu_scene::arrays::{SceneArrays, environment_texels};
@@ -24,21 +24,19 @@ use crate::scene::animation::Pose;
 use crate::scene::{SceneDescription, lights};
 use glam::{Affine3A, UVec2, Vec3};
 use rays::{Hit, Occluders};
-use record::{PassReport, Shading, SurfaceReport};
+use record::{PassReport, Shading, SurfaceReport, Survivor};
 use replay::Replay;
 use shared::alpha;
 use shared::camera::Camera;
 use shared::environment::EnvironmentTexel;
 use shared::frame::{FrameConstants, mode};
-use shared::interface::HitPayload;
-use shared::light::found::Emitters;
-use shared::light::tile::{TileEntry, Tiles};
-use shared::light::{Light, LightTable, Lights, kind};
-use shared::motion::{InstanceMotion, PastLights};
-use shared::resampling::Pixels;
+use shared::light::{Light, kind};
+use shared::motion::InstanceMotion;
+use shared::passes::Body;
 use shared::reservoir::StoredReservoir;
+use shared::resources::{Binding, Buffers};
+use shared::shadow::ShadowRay;
 use shared::surface::GBufferTexel;
-use temporal::{Before, TemporalPass};
 
 /// A scene as the replay needs it: what the GPU has, on the CPU.
 pub struct World<'a> {
@@ -53,6 +51,8 @@ struct Past {
     /// Object to world of each of the scene's instances.
     transforms: Vec<Affine3A>,
     lights: Vec<Light>,
+    /// Of each instance geometry.
+    motions: Vec<InstanceMotion>,
 }
 
 impl<'a> World<'a> {
@@ -67,41 +67,53 @@ impl<'a> World<'a> {
     /// [`crate::frame::renderer::Renderer::update_scene`] does. What was becomes the past.
     pub fn follow(&mut self, scene: &SceneDescription, pose: &Pose) {
         let arrays = &mut self.occluders.arrays;
-        self.past = Some(Past { transforms: arrays.transforms.clone(), lights: self.lights.lights.clone() });
+        let (transforms, lights) = (arrays.transforms.clone(), self.lights.lights.clone());
         for (i, _) in pose.instances() {
             arrays.place(i, scene.instances[i].transform);
         }
         self.lights.follow(scene, pose);
+        let mut motions = vec![InstanceMotion::default(); arrays.instances.len()];
+        for (i, &before) in transforms.iter().enumerate() {
+            motions[arrays.geometries_of(i)].fill(InstanceMotion::between(before, arrays.transforms[i]));
+        }
+        self.past = Some(Past { transforms, lights, motions });
     }
 
-    /// What has moved since the frame before, for a surface of geometry `geometry`. Its lights keep their indices.
-    fn before(&self, geometry: u32) -> Option<Before<'_>> {
-        let past = self.past.as_ref()?;
-        let arrays = &self.occluders.arrays;
-        let instance =
-            (0..arrays.transforms.len()).find(|&i| arrays.geometries_of(i).contains(&(geometry as usize)))?;
-        let motion = InstanceMotion::between(past.transforms[instance], arrays.transforms[instance]);
-        let lights = Lights::untextured(&past.lights);
-        let lights = PastLights { lights, previous_to_current: &[], current_to_previous: &[] };
-        Some(Before { lights, motion, transforms: &past.transforms })
+    /// Sets 0 and 2, as far as bodies read them. Lights keep their indices.
+    fn buffers(&self) -> Buffers<'_> {
+        let past = self.past.as_ref();
+        Buffers {
+            lights: &self.lights.lights,
+            alias: &self.lights.alias,
+            instances: &self.occluders.arrays.instances,
+            environment: &self.environment,
+            previous_lights: past.map_or(&[], |past| &past.lights),
+            motions: past.map_or(&[], |past| &past.motions),
+            ..Buffers::default()
+        }
     }
 
-    fn light_table(&self) -> LightTable<'_> {
-        LightTable { lights: Lights::untextured(&self.lights.lights), alias: &self.lights.alias }
+    /// What lies between the ends of `ray`; `before`: in the previous frame.
+    fn blocker(&self, ray: ShadowRay, key: u32, before: bool) -> Option<Hit> {
+        let past = self.past.as_ref().filter(|_| before);
+        let places = past.map_or(&self.occluders.arrays.transforms, |past| &past.transforms);
+        self.occluders.blocker(places, ray, key)
     }
 
-    /// The light where a ray from `origin` along `direction` ends, as [`Emitters::light_at`] has it, and what it met there.
-    fn light_along(&self, frame: &FrameConstants, origin: Vec3, direction: Vec3) -> (u32, Option<Hit>) {
-        let met = self.occluders.surely_met(origin, direction);
-        let payload = match &met {
-            Some(hit) => {
-                HitPayload { hit: 1, instance: hit.geometry, primitive: hit.triangle, ..Default::default() }
-            }
-            None => HitPayload::default(),
-        };
-        let instances = &self.occluders.arrays.instances;
-        let emitters = Emitters::new(frame, self.features(), instances, &self.environment);
-        (emitters.light_at(payload, direction), met)
+    /// What a BSDF ray meets.
+    fn surely_met(&self, origin: Vec3, direction: Vec3) -> Option<Hit> {
+        self.occluders.surely_met(origin, direction)
+    }
+
+    fn survivor(&self, reservoir: StoredReservoir) -> Survivor {
+        let light = (reservoir.contribution_weight > 0.0).then_some(reservoir.sample.light);
+        Survivor {
+            light,
+            kind: light.map_or("", |light| self.kind(light)),
+            uv: reservoir.sample.uv,
+            contribution_weight: reservoir.contribution_weight,
+            confidence: reservoir.confidence,
+        }
     }
 
     fn features(&self) -> u32 {
@@ -137,10 +149,10 @@ pub fn next_frame(
             "only ReSTIR frames can be explained: the reference resamples nothing".into(),
         ));
     };
-    let mut witness = Witness::new(world, pixel);
-    let see = |history: &History, frame: &FrameConstants, step: &Step| witness.see(history, frame, step);
+    let mut explainer = Explainer::new(world, pixel);
+    let see = |history: &History, frame: &FrameConstants, step: &Step| explainer.see(history, frame, step);
     recorder.render_stepwise(history, camera, options, see)?;
-    witness.explanation(&recorder.device().info().name, history)
+    explainer.explanation(&recorder.device().info().name, history)
 }
 
 /// Errors: a pixel outside a picture of `size`.
@@ -156,26 +168,28 @@ pub fn check_pixel(pixel: UVec2, size: UVec2) -> Result<()> {
 }
 
 /// Follows a frame step by step.
-struct Witness<'a> {
+struct Explainer<'a> {
     world: &'a World<'a>,
     pixel: UVec2,
+    follower: Follower,
     frame: Option<FrameConstants>,
-    gbuffer: Vec<GBufferTexel>,
-    /// As the last step left them.
-    reservoirs: Vec<StoredReservoir>,
+    /// The pass that tells pixels of their partners.
+    pairs: Option<Ran>,
+    texel: GBufferTexel,
     emission: Vec3,
     passes: Vec<PassReport>,
     shading: Option<Shading>,
 }
 
-impl<'a> Witness<'a> {
+impl<'a> Explainer<'a> {
     fn new(world: &'a World<'a>, pixel: UVec2) -> Self {
-        Witness {
+        Explainer {
             world,
             pixel,
+            follower: Follower::default(),
             frame: None,
-            gbuffer: Vec::new(),
-            reservoirs: Vec::new(),
+            pairs: None,
+            texel: GBufferTexel::default(),
             emission: Vec3::ZERO,
             passes: Vec::new(),
             shading: None,
@@ -183,73 +197,34 @@ impl<'a> Witness<'a> {
     }
 
     fn see(&mut self, history: &History, frame: &FrameConstants, step: &Step) -> Result<()> {
-        if step.pass.uses.contains(&(Role::GBuffer, Access::Write)) {
+        let ran = self.follower.see(history, frame, step)?;
+        if step.writes(Binding::gbuffer) {
             self.frame = Some(*frame);
-            self.gbuffer = history.read_role(step, Role::GBuffer)?;
+            self.texel = ran.left::<GBufferTexel>(Binding::gbuffer)[frame.pixel_index(self.pixel) as usize];
             self.emission = self.radiance(history)?;
         }
-        // Before the G-buffer is filled there is nothing to follow either.
-        let Some(texel) = self.gbuffer.get(frame.pixel_index(self.pixel) as usize).filter(|t| !t.is_empty())
-        else {
+        if self.texel.is_empty() {
             return Ok(());
-        };
-        let replay = Replay {
-            world: self.world,
-            frame: *frame,
-            pixel: self.pixel,
-            surface: texel.unpack(&frame.camera, self.pixel, frame.size),
-            gbuffer: &self.gbuffer,
-        };
-        let stem = step.pass.stem;
+        }
+        let scene = self.world.buffers();
+        let mut replay =
+            Replay { world: self.world, buffers: ran.buffers(&scene), ran: &ran, pixel: self.pixel };
         let lanes = 0..frame.settings.reservoirs;
-        let mut reports = Vec::new();
-        match stem {
-            "initial" | "initial_tiled" => {
-                let tiled = stem == "initial_tiled";
-                let entries: Vec<TileEntry> =
-                    if tiled { history.read_role(step, Role::TileEntries)? } else { vec![] };
-                let points: Vec<u32> =
-                    if tiled { history.read_role(step, Role::TilePoints)? } else { vec![] };
-                let tiles = tiled.then_some(Tiles { entries: &entries, points: &points });
-                let after = history.read_role(step, Role::ReservoirsOut)?;
-                reports.extend(lanes.map(|lane| replay.initial(stem, lane, tiles, &after)));
-                self.reservoirs = after;
+        match ran.pass.body() {
+            Body::initial | Body::temporal | Body::spatial => {
+                self.passes.extend(lanes.map(|lane| replay.reservoir(lane, None)));
             }
-            "temporal"
-            | "temporal_unbiased"
-            | "temporal_known"
-            | "temporal_moving"
-            | "temporal_unbiased_moving" => {
-                let before = if stem.ends_with("_moving") { self.world.before(texel.instance) } else { None };
-                let gbuffer: Vec<GBufferTexel> = history.read_role(step, Role::PreviousGBuffer)?;
-                let ended: Vec<StoredReservoir> = history.read_role(step, Role::ReservoirsHistory)?;
-                let previous = Pixels { gbuffer: &gbuffer, reservoirs: &ended };
-                let after: Vec<_> = history.read_role(step, Role::ReservoirsOut)?;
-                reports.extend(lanes.map(|lane| {
-                    let pass = TemporalPass { stem, lane, previous, before };
-                    pass.replay(&replay, &self.reservoirs, &after)
-                }));
-                self.reservoirs = after;
+            Body::pair_targets => self.pairs = Some(ran),
+            Body::pair_merge => {
+                if let Some(pairs) = &self.pairs {
+                    let pairs = Replay { buffers: pairs.buffers(&scene), ran: pairs, ..replay };
+                    replay.buffers.gbuffer = pairs.buffers.gbuffer;
+                    self.passes.extend(lanes.map(|lane| replay.reservoir(lane, Some(&pairs))));
+                }
             }
-            "spatial" | "spatial_unbiased" => {
-                let before: Vec<_> = history.read_role(step, Role::ReservoirsIn)?;
-                let after: Vec<_> = history.read_role(step, Role::ReservoirsOut)?;
-                let iteration = step.constants.iteration;
-                reports.extend(lanes.map(|lane| replay.spatial(stem, iteration, lane, &before, &after)));
-            }
-            "pair_merge" => {
-                let before: Vec<_> = history.read_role(step, Role::ReservoirsIn)?;
-                let after: Vec<_> = history.read_role(step, Role::ReservoirsOut)?;
-                let iteration = step.constants.iteration;
-                reports.extend(lanes.map(|lane| replay.pair_merge(stem, iteration, lane, &before, &after)));
-            }
-            "shade" | "shade_known" => {
-                let before: Vec<_> = history.read_role(step, Role::ReservoirsIn)?;
-                self.shading = Some(replay.shade(&before, self.emission, self.radiance(history)?));
-            }
+            Body::shade => self.shading = Some(replay.shading()),
             _ => {}
         }
-        self.passes.extend(reports);
         Ok(())
     }
 
@@ -263,8 +238,7 @@ impl<'a> Witness<'a> {
             return Err(Error::Internal("the frame has no G-buffer pass: nothing to explain".into()));
         };
         let seen = self.seen(&frame);
-        let texel = self.gbuffer[frame.pixel_index(self.pixel) as usize];
-        let surface = (!texel.is_empty()).then(|| self.surface(&frame, texel, seen.as_ref()));
+        let surface = (!self.texel.is_empty()).then(|| self.surface(&frame, self.texel, seen.as_ref()));
         Ok(Explanation {
             device: device.into(),
             scene: self.world.occluders.scene.name.clone(),

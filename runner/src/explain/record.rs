@@ -16,7 +16,7 @@ pub struct Explanation {
     /// `biased` or `unbiased`.
     pub mode: &'static str,
     pub lights: u32,
-    /// What the CPU's own primary ray meets; it follows the eye's ray through masks and lots as the GPU's does.
+    /// What the CPU's own primary ray meets; it follows the eye's ray through masks and stochastic alpha as the GPU's does.
     pub seen: Option<Hit>,
     /// None where there is nothing to light: no surface, or an unlit one.
     pub surface: Option<SurfaceReport>,
@@ -59,15 +59,12 @@ pub struct PassReport {
     /// ... and those it is merged with; the history is one.
     pub others: Vec<Neighbor>,
     /// Of `initial`: how its BSDF candidates were looked for.
-    pub glances: Vec<Glance>,
+    pub bsdf_rays: Vec<BsdfRay>,
     pub rays: Vec<Ray>,
     /// What the pass ends with, as the CPU has it.
     pub cpu: Survivor,
     pub gpu: Survivor,
     pub difference: Difference,
-    /// The lines above were made by the steps of the very functions that gave `cpu`, and end with the same bits. Else this
-    /// module no longer follows the estimator.
-    pub consistent: bool,
 }
 
 #[derive(Clone, Debug, Default, Serialize)]
@@ -151,9 +148,9 @@ pub struct Ray {
     pub gpu_disagrees: bool,
 }
 
-/// A ray along the reflectance.
+/// A BSDF ray.
 #[derive(Clone, Debug, Serialize)]
-pub struct Glance {
+pub struct BsdfRay {
     pub origin: [f32; 3],
     /// Unit.
     pub direction: [f32; 3],

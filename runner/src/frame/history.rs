@@ -1,13 +1,14 @@
 //! A sequence of frames with its past: what one frame leaves for the next.
 
-use super::pass::{BufferId, Role, Step};
+use super::pass::Step;
 use super::schedule::Rotation;
-use super::targets::Targets;
+use super::targets::{Target, Targets};
 use crate::error::{Error, Result};
 use crate::vulkan::{Buffer, Device};
 use bytemuck::Pod;
 use glam::{UVec2, Vec3};
 use shared::camera::Camera;
+use shared::resources::{Binding, Resource};
 use shared::stored_ray::StoredRay;
 
 /// Targets of one picture size, and which frame they hold. Frames of several histories may take turns on one recorder.
@@ -62,18 +63,19 @@ impl History {
         self.previous_camera = None;
     }
 
-    /// Makes room for a mean over frames; a frame that uses it must not be in flight.
+    /// Makes room for what passes that look at a frame read and write.
     pub fn make_mean(&mut self, device: &Device) -> Result<()> {
-        if self.targets.has_mean() { Ok(()) } else { self.targets.make_mean(device) }
+        self.targets.make(device, Resource::mean)?;
+        self.targets.make(device, Resource::statistics)
     }
 
-    /// Rays for the passes of the floors, one a pixel; no frame may be in flight.
+    /// Rays for the passes of the roofline, one a pixel; no frame may be in flight.
     pub fn set_rays(&mut self, device: &Device, rays: &[StoredRay]) -> Result<()> {
         self.targets.set_rays(device, rays)
     }
 
     pub fn has_mean(&self) -> bool {
-        self.targets.has_mean()
+        self.targets.has(Resource::mean)
     }
 
     /// The G-buffer of the last frame.
@@ -94,26 +96,27 @@ impl History {
         self.scene = scene;
     }
 
-    pub fn target(&self, id: BufferId) -> &Buffer {
-        self.targets.get(id)
+    pub fn target(&self, target: impl Into<Target>) -> &Buffer {
+        self.targets.get(target.into())
     }
 
     /// Content of a target after the last frame, which must have run.
-    pub fn read<T: Pod>(&self, target: BufferId) -> Result<Vec<T>> {
+    pub fn read<T: Pod>(&self, target: impl Into<Target>) -> Result<Vec<T>> {
         self.target(target).read_vec()
     }
 
-    /// Content of what `step`, which has run, found behind `role`.
-    pub fn read_role<T: Pod>(&self, step: &Step, role: Role) -> Result<Vec<T>> {
-        let place = step.pass.uses.iter().position(|&(used, _)| used == role);
-        match place.and_then(|place| step.buffers.get(place)) {
-            Some(&buffer) => self.read(buffer),
-            None => Err(Error::Internal(format!("pass '{}' has no {role:?} to read", step.pass.stem))),
+    /// Content of what `step`, which has run, found behind `binding`.
+    pub fn read_binding<T: Pod>(&self, step: &Step, binding: Binding) -> Result<Vec<T>> {
+        match step.target(binding) {
+            Some(target) => self.read(target),
+            None => {
+                Err(Error::Internal(format!("pass '{}' has no {} to read", step.pass.stem(), binding.name())))
+            }
         }
     }
 
     /// Radiance of the last frame: nit, linear RGB, rows from the top.
     pub fn radiance(&self) -> Result<Vec<Vec3>> {
-        self.read(BufferId::Radiance)
+        self.read(Resource::radiance)
     }
 }

@@ -1,8 +1,8 @@
 //! A frame: its passes, their order, their buffers, and how they are recorded.
 
+pub mod follow;
 pub mod history;
 pub mod pass;
-pub mod passes;
 pub mod pipelines;
 pub mod rays;
 pub mod recorder;

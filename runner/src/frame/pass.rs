@@ -1,159 +1,63 @@
-//! A pass as a declaration: what it reads, writes and covers. Barriers, labels and timestamps follow from it.
+//! Passes at their place in a frame, with their buffers. Barriers, labels and timestamps follow from what the table of passes declares.
 
-use shared::interface::{PassConstants, frame_binding};
+use super::targets::Target;
+use shared::interface::PassConstants;
+use shared::passes::{Access, Pass};
+use shared::resources::{Binding, set};
 
-/// How a pass runs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stage {
-    /// A ray generation shader; `rays` names the payload its pipeline is built for.
-    RayTracing(Rays),
-    Compute,
-    /// Vertex and fragment shaders draw the scene into an image, which is copied to the pass's buffer.
-    Raster,
-}
-
-/// Which hit and miss shaders a ray-tracing pass needs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Rays {
-    Primary,
-    Shadow,
-    /// Shadow rays, and rays that look for the nearest light where the scene has lights that rays can find.
-    Both,
-}
-
-/// What a binding of set 1 is used for. The physical buffer behind a role changes from frame to frame.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Role {
-    GBuffer,
-    PreviousGBuffer,
-    ReservoirsIn,
-    ReservoirsOut,
-    ReservoirsHistory,
-    Radiance,
-    Display,
-    TileEntries,
-    TilePoints,
-    /// The viewer's mean over frames, and the mean of the reference.
-    Mean,
-    Reference,
-    Statistics,
-    /// Of the floors.
-    Rays,
-    Hits,
-    /// Which triangle each pixel sees.
-    Visibility,
-    /// Lies in the history, which is no longer needed when neighbors are reused.
-    PairTargets,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Access {
-    Read,
-    Write,
-    ReadWrite,
-}
-
-/// How many threads a pass launches.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Extent {
-    /// One a pixel.
-    Pixels,
-    /// One for each reservoir of each pixel.
-    Reservoirs,
-    /// One for each entry of the light tiles.
-    Tiles,
-    /// One for each block of [`shared::statistics::BLOCK`] x BLOCK pixels.
-    Blocks,
-}
-
-/// A pass. Its stem names the shader file, the host file, the entry point, the debug label, the timestamp and the
-/// column of reports.
-#[derive(Debug, PartialEq, Eq)]
-pub struct Pass {
-    pub stem: &'static str,
-    pub stage: Stage,
-    pub uses: &'static [(Role, Access)],
-    pub extent: Extent,
-    /// It reads set 2: the scene as it was in the previous frame.
-    pub past: bool,
-}
-
-/// A buffer that outlives a pass.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum BufferId {
-    GBuffer(usize),
-    Reservoirs(usize),
-    Radiance,
-    Display,
-    TileEntries,
-    TilePoints,
-    Mean,
-    /// The mean of another history, which shows the reference.
-    Reference,
-    Statistics,
-    Rays,
-    Hits,
-    Visibility,
-}
-
-/// A pass at its place in a frame, with its buffers.
+/// A pass at its place in a frame.
 #[derive(Clone, Debug)]
 pub struct Step {
-    pub pass: &'static Pass,
-    /// One for each of the pass's `uses`, in their order.
-    pub buffers: Vec<BufferId>,
+    pub pass: Pass,
+    /// Of [`shared::passes::variant`].
+    pub variant: u32,
+    /// Its buffers in set 1, in the order of the table.
+    pub targets: Vec<(Binding, Access, Target)>,
     pub constants: PassConstants,
 }
 
-impl Role {
-    /// Binding number in set 1.
-    pub fn binding(self) -> u32 {
-        match self {
-            Role::GBuffer => frame_binding::GBUFFER,
-            Role::PreviousGBuffer => frame_binding::PREVIOUS_GBUFFER,
-            Role::ReservoirsIn => frame_binding::RESERVOIRS_IN,
-            Role::ReservoirsOut => frame_binding::RESERVOIRS_OUT,
-            Role::ReservoirsHistory => frame_binding::RESERVOIRS_HISTORY,
-            Role::Radiance => frame_binding::RADIANCE,
-            Role::Display => frame_binding::DISPLAY,
-            Role::TileEntries => frame_binding::TILE_ENTRIES,
-            Role::TilePoints => frame_binding::TILE_POINTS,
-            Role::Mean => frame_binding::MEAN,
-            Role::Reference => frame_binding::REFERENCE,
-            Role::Statistics => frame_binding::STATISTICS,
-            Role::Rays => frame_binding::RAYS,
-            Role::Hits => frame_binding::HITS,
-            Role::Visibility => frame_binding::VISIBILITY,
-            Role::PairTargets => frame_binding::PAIR_TARGETS,
-        }
+impl Step {
+    /// `target`: what stands behind a binding.
+    pub fn new(
+        pass: Pass,
+        variant: u32,
+        constants: PassConstants,
+        target: impl Fn(Binding) -> Target,
+    ) -> Self {
+        let uses = pass.uses().iter().filter(|(binding, _)| binding.set() == set::FRAME);
+        let targets = uses.map(|&(binding, access)| (binding, access, target(binding))).collect();
+        Step { pass, variant, targets, constants }
     }
-}
 
-impl Access {
-    fn writes(self) -> bool {
-        self != Access::Read
+    /// What stands behind `binding`, if the pass has it.
+    pub fn target(&self, binding: Binding) -> Option<Target> {
+        self.targets.iter().find(|(name, ..)| *name == binding).map(|&(_, _, target)| target)
+    }
+
+    /// Does it write `binding`?
+    pub fn writes(&self, binding: Binding) -> bool {
+        self.targets.iter().any(|&(name, access, _)| name == binding && access.writes())
     }
 }
 
 /// For each step: must it wait for what came before? True when it touches a buffer that was written since the last
 /// wait, or writes one that was read since. The frame before counts: its steps come first.
 pub fn barriers(steps: &[Step]) -> Vec<bool> {
-    let mut written: Vec<BufferId> = Vec::new();
-    let mut read: Vec<BufferId> = Vec::new();
+    let mut written: Vec<Target> = Vec::new();
+    let mut read: Vec<Target> = Vec::new();
     let mut waits = Vec::with_capacity(steps.len());
     for step in steps {
-        let accesses =
-            || step.pass.uses.iter().zip(&step.buffers).map(|(&(_, access), &buffer)| (access, buffer));
+        let accesses = || step.targets.iter().map(|&(_, access, target)| (access, target));
         let hazard = accesses()
-            .any(|(access, buffer)| written.contains(&buffer) || access.writes() && read.contains(&buffer));
+            .any(|(access, target)| written.contains(&target) || access.writes() && read.contains(&target));
         // The first step waits for the frame before it, whatever that did.
         let wait = hazard || waits.is_empty();
         if wait {
             written.clear();
             read.clear();
         }
-        for (access, buffer) in accesses() {
-            if access.writes() { written.push(buffer) } else { read.push(buffer) }
+        for (access, target) in accesses() {
+            if access.writes() { written.push(target) } else { read.push(target) }
         }
         waits.push(wait);
     }
@@ -163,37 +67,27 @@ pub fn barriers(steps: &[Step]) -> Vec<bool> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use shared::resources::Resource;
 
-    const PRODUCE: Pass = Pass {
-        stem: "produce",
-        stage: Stage::Compute,
-        uses: &[(Role::GBuffer, Access::Write)],
-        extent: Extent::Pixels,
-        past: false,
-    };
-    const CONSUME: Pass = Pass {
-        stem: "consume",
-        stage: Stage::Compute,
-        uses: &[(Role::GBuffer, Access::Read), (Role::Radiance, Access::Write)],
-        extent: Extent::Pixels,
-        past: false,
-    };
-
-    fn step(pass: &'static Pass, buffers: &[BufferId]) -> Step {
-        Step { pass, buffers: buffers.to_vec(), constants: PassConstants::default() }
+    fn step(targets: &[(Access, Target)]) -> Step {
+        let targets = targets.iter().map(|&(access, target)| (Binding::gbuffer, access, target)).collect();
+        Step { pass: Pass::tonemap, variant: 0, targets, constants: PassConstants::default() }
     }
 
     #[test]
     fn hazards_need_barriers_and_nothing_else_does() {
-        use BufferId::{Display, GBuffer, Radiance};
+        let gbuffer = |copy| Target { resource: Resource::gbuffer, copy };
+        let [radiance, display] = [Resource::radiance, Resource::display].map(Target::from);
+        let produce = |target| step(&[(Access::Write, target)]);
+        let consume = |from, to| step(&[(Access::Read, from), (Access::Write, to)]);
         // Write -> read; independent; write after read; write after write.
         let steps = [
-            step(&PRODUCE, &[GBuffer(0)]),
-            step(&CONSUME, &[GBuffer(0), Radiance]),
-            step(&PRODUCE, &[GBuffer(1)]),
-            step(&CONSUME, &[GBuffer(0), Display]),
-            step(&PRODUCE, &[GBuffer(0)]),
-            step(&PRODUCE, &[GBuffer(0)]),
+            produce(gbuffer(0)),
+            consume(gbuffer(0), radiance),
+            produce(gbuffer(1)),
+            consume(gbuffer(0), display),
+            produce(gbuffer(0)),
+            produce(gbuffer(0)),
         ];
         assert_eq!(barriers(&steps), [true, true, false, false, true, true]);
     }

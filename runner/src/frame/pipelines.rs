@@ -1,6 +1,5 @@
 //! One pipeline a pass, specialised for a scene's features.
 
-use super::pass::{Extent, Pass, Rays, Role, Stage};
 use crate::error::{Error, Result};
 use crate::gpu_scene::draws::{self, DrawKind, Draws};
 use crate::gpu_scene::past;
@@ -12,9 +11,9 @@ use crate::{parallel, shader_library, startup};
 use ash::vk;
 use glam::UVec2;
 use shared::frame::{Settings, features};
-use shared::interface::{PassConstants, WORKGROUP, frame_binding, spec_constant};
-use shared::light::tile::{TILE_SIZE, TILES};
-use shared::statistics::BLOCK;
+use shared::interface::{PassConstants, WORKGROUP, spec_constant};
+use shared::passes::{Pass, Rays, Stage, threads};
+use shared::resources::{Extent, set};
 use std::collections::HashMap;
 use std::ffi::CString;
 
@@ -29,7 +28,7 @@ pub struct Pipelines {
     scene_layout: SetLayout,
     frame_layout: SetLayout,
     features: u32,
-    made: HashMap<&'static str, PassPipeline>,
+    made: HashMap<(Pass, u32), PassPipeline>,
 }
 
 /// A pass, ready to be recorded.
@@ -58,40 +57,42 @@ impl Pipelines {
         })
     }
 
-    /// Compiles the pipelines of `passes` that have not been compiled yet, on all processors.
-    pub fn prepare(&mut self, passes: impl Iterator<Item = &'static Pass>) -> Result<()> {
-        let mut new: Vec<&Pass> = passes.filter(|pass| !self.made.contains_key(pass.stem)).collect();
-        new.sort_by_key(|pass| pass.stem);
+    /// Compiles the pipelines of passes and their variants that have not been compiled yet, on all processors.
+    pub fn prepare(&mut self, passes: impl Iterator<Item = (Pass, u32)>) -> Result<()> {
+        let mut new: Vec<(Pass, u32)> = passes.filter(|pass| !self.made.contains_key(pass)).collect();
+        new.sort_unstable();
         new.dedup();
         if new.is_empty() {
             return Ok(());
         }
-        let compiled = startup::timed("pipelines", || parallel::map(&new, |pass| self.compile(pass)));
+        let compiled = startup::timed("pipelines", || {
+            parallel::map(&new, |&(pass, variant)| self.compile(pass, variant))
+        });
         for (pass, pipeline) in new.into_iter().zip(compiled) {
-            self.made.insert(pass.stem, pipeline?);
+            self.made.insert(pass, pipeline?);
         }
         Ok(())
     }
 
     /// The pipeline of a prepared pass.
-    pub fn get(&self, pass: &Pass) -> Option<&PassPipeline> {
-        self.made.get(pass.stem)
+    pub fn get(&self, pass: Pass, variant: u32) -> Option<&PassPipeline> {
+        self.made.get(&(pass, variant))
     }
 
-    fn compile(&self, pass: &Pass) -> Result<PassPipeline> {
+    fn compile(&self, pass: Pass, variant: u32) -> Result<PassPipeline> {
         let past_layout = past::layout(&self.device)?;
         let all = [&self.scene_layout, &self.frame_layout, &past_layout];
-        let set_layouts = if pass.past { &all[..] } else { &all[..2] };
-        let spec_constants = [(spec_constant::FEATURES, self.features)];
+        let set_layouts = if reads_past(pass) { &all[..] } else { &all[..2] };
+        let spec_constants = [(spec_constant::FEATURES, self.features), (spec_constant::VARIANT, variant)];
         let interface = Interface {
             set_layouts,
             push_constant_size: size_of::<PassConstants>() as u32,
             spec_constants: &spec_constants,
         };
-        match pass.stage {
+        match pass.stage() {
             Stage::Compute => {
-                let code = Code::load(pass.stem)?;
-                let pipeline = ComputePipeline::new(&self.device, pass.stem, code.shader(), &interface)?;
+                let code = Code::load(pass.stem())?;
+                let pipeline = ComputePipeline::new(&self.device, pass.stem(), code.shader(), &interface)?;
                 Ok(PassPipeline::Compute(pipeline))
             }
             Stage::RayTracing(rays) => self.compile_rays(pass, rays, interface),
@@ -99,14 +100,14 @@ impl Pipelines {
         }
     }
 
-    fn compile_rays(&self, pass: &Pass, rays: Rays, interface: Interface<'_>) -> Result<PassPipeline> {
-        let code = Code::load(pass.stem)?;
+    fn compile_rays(&self, pass: Pass, rays: Rays, interface: Interface<'_>) -> Result<PassPipeline> {
+        let code = Code::load(pass.stem())?;
         let misses = [Code::load("primary_miss")?, Code::load("shadow_miss")?];
         let codes: Vec<GroupCode> =
             hit_groups(rays, self.features).into_iter().map(GroupCode::load).collect::<Result<_>>()?;
         let groups: Vec<HitGroup> = codes.iter().map(GroupCode::shaders).collect();
         let desc = RayPipelineDesc {
-            name: pass.stem,
+            name: pass.stem(),
             raygen: code.shader(),
             miss: &[misses[0].shader(), misses[1].shader()],
             hit_groups: &groups,
@@ -115,14 +116,14 @@ impl Pipelines {
         Ok(PassPipeline::Rays(Box::new(RayPipeline::new(&self.device, &desc)?)))
     }
 
-    fn compile_raster(&self, pass: &Pass, interface: Interface<'_>) -> Result<PassPipeline> {
-        let load = |part: &str| Code::load(&format!("{}{part}", pass.stem));
+    fn compile_raster(&self, pass: Pass, interface: Interface<'_>) -> Result<PassPipeline> {
+        let load = |part: &str| Code::load(&format!("{}{part}", pass.stem()));
         let opaque = [load("_vertex")?, load("")?];
         let alpha = [load("_alpha_vertex")?, load("_alpha")?];
         let pipeline = |kind: DrawKind| {
             let [vertex, fragment] = if kind.transparent { &alpha } else { &opaque };
             let desc = DrawPipelineDesc {
-                name: pass.stem,
+                name: pass.stem(),
                 vertex: vertex.shader(),
                 fragment: fragment.shader(),
                 culls: !kind.double_sided,
@@ -197,19 +198,10 @@ impl PassPipeline {
     }
 
     /// Launches `pass` over a picture of `size`; one that draws needs more, see [`draw`].
-    pub fn launch(
-        &self,
-        cmd: vk::CommandBuffer,
-        pass: &Pass,
-        size: UVec2,
-        settings: &Settings,
-    ) -> Result<()> {
-        let (size, depth) = match pass.extent {
-            Extent::Pixels => (size, 1),
-            Extent::Reservoirs => (size, settings.reservoirs),
-            Extent::Blocks => (UVec2::new(size.x.div_ceil(BLOCK), size.y.div_ceil(BLOCK)), 1),
-            Extent::Tiles => (UVec2::new(TILE_SIZE, TILES), 1),
-        };
+    pub fn launch(&self, cmd: vk::CommandBuffer, pass: Pass, size: UVec2, settings: &Settings) -> Result<()> {
+        let extent = pass.extent();
+        let size = threads(extent, size);
+        let depth = if extent == Extent::Reservoirs { settings.reservoirs } else { 1 };
         match self {
             PassPipeline::Compute(pipeline) => {
                 let groups = [size.x.div_ceil(WORKGROUP[0]), size.y.div_ceil(WORKGROUP[1]), depth];
@@ -218,7 +210,7 @@ impl PassPipeline {
             }
             PassPipeline::Rays(pipeline) => pipeline.trace(cmd, [size.x, size.y, depth]),
             PassPipeline::Raster(_) => {
-                Err(Error::Internal(format!("pass '{}' has nothing to draw into", pass.stem)))
+                Err(Error::Internal(format!("pass '{}' has nothing to draw into", pass.stem())))
             }
         }
     }
@@ -249,34 +241,17 @@ pub fn draw(
     memory_barrier(device, cmd, written, (SHADERS, vk::AccessFlags::SHADER_READ));
 }
 
-/// The layout of set 1: constants, then a buffer for each role.
+/// Does any variant of `pass` look at the scene as it was in the previous frame?
+pub fn reads_past(pass: Pass) -> bool {
+    pass.uses().iter().any(|(binding, _)| binding.set() == set::PAST)
+}
+
+/// The layout of set 1: constants, then its buffers.
 fn frame_layout(device: &Device) -> Result<SetLayout> {
     use vk::ShaderStageFlags as Shader;
     let stages = Shader::RAYGEN_KHR | Shader::COMPUTE;
-    const ROLES: [Role; 16] = [
-        Role::GBuffer,
-        Role::PreviousGBuffer,
-        Role::ReservoirsIn,
-        Role::ReservoirsOut,
-        Role::ReservoirsHistory,
-        Role::Radiance,
-        Role::Display,
-        Role::TileEntries,
-        Role::TilePoints,
-        Role::Mean,
-        Role::Reference,
-        Role::Statistics,
-        Role::Rays,
-        Role::Hits,
-        Role::Visibility,
-        Role::PairTargets,
-    ];
-    let mut bindings = vec![Binding::one(
-        frame_binding::CONSTANTS,
-        vk::DescriptorType::UNIFORM_BUFFER,
-        stages | Shader::VERTEX | Shader::FRAGMENT,
-    )];
-    bindings
-        .extend(ROLES.map(|role| Binding::one(role.binding(), vk::DescriptorType::STORAGE_BUFFER, stages)));
+    let readers = stages | Shader::VERTEX | Shader::FRAGMENT;
+    let mut bindings = vec![Binding::one(set::CONSTANTS, vk::DescriptorType::UNIFORM_BUFFER, readers)];
+    bindings.extend(Binding::buffers(set::FRAME, stages));
     SetLayout::for_push(device, "frame", &bindings)
 }

@@ -1,9 +1,11 @@
 //! How many rays a frame traces at most. Counting those that are traced takes an atomic in every ray-tracing shader, or a second
 //! variant of each; the most is known from the settings alone.
 
-use super::pass::{Extent, Stage, Step};
+use super::pass::Step;
 use super::schedule::{Conditions, Rotation, Work, schedule};
 use shared::frame::Settings;
+use shared::passes::{Body, Stage};
+use shared::resources::Extent;
 
 /// Rays a pixel of a frame with these settings, at most; fewer where nothing is hit or a sample's visibility is known.
 /// `features`: of the scene.
@@ -15,24 +17,33 @@ pub fn most(settings: &Settings, draws: bool, features: u32) -> u64 {
 
 /// Rays a pixel of one step.
 fn of_step(step: &Step, settings: &Settings, features: u32) -> u64 {
-    if matches!(step.pass.stage, Stage::Compute | Stage::Raster) {
+    if matches!(step.pass.stage(), Stage::Compute | Stage::Raster) {
         return 0;
     }
-    let a_thread = match step.pass.stem {
-        "initial" | "initial_tiled" => {
+    let known = u64::from(settings.visibility_is_known());
+    let a_thread = match step.pass.body() {
+        Body::gbuffer => 1,
+        Body::initial => {
             u64::from(settings.bsdf_candidates(features)) + u64::from(settings.visibility_reuse != 0)
         }
-        // The partner's sample.
-        "pair_targets" => u64::from(settings.visibility_is_known()),
         // The sample of the one in the place of the other, and the survivor; not asked where visibility is left to shading.
-        "temporal_unbiased" | "temporal_unbiased_moving" | "spatial_unbiased" => {
-            2 * u64::from(settings.visibility_is_known())
-        }
-        "shade" => u64::from(settings.reservoirs),
-        "reference" => u64::from(step.constants.light_count),
-        _ => 1,
+        Body::temporal | Body::spatial => 2 * known,
+        // The partner's sample.
+        Body::pair_targets => known,
+        Body::shade => u64::from(settings.reservoirs),
+        Body::reference => u64::from(step.constants.light_count),
+        Body::roofline_primary | Body::roofline_shadow => 1,
+        Body::visibility
+        | Body::gbuffer_raster
+        | Body::presample
+        | Body::pair_merge
+        | Body::tonemap
+        | Body::accumulate
+        | Body::view
+        | Body::statistics
+        | Body::roofline_copy => 0,
     };
-    let threads = if step.pass.extent == Extent::Reservoirs { settings.reservoirs } else { 1 };
+    let threads = if step.pass.extent() == Extent::Reservoirs { settings.reservoirs } else { 1 };
     a_thread * u64::from(threads)
 }
 

@@ -1,10 +1,11 @@
 //! Records the frames of one scene into command buffers; whoever submits them decides when to wait.
 
 use super::history::History;
-use super::pass::{BufferId, Pass, Step, barriers};
-use super::pipelines::{PassPipeline, Pipelines, SHADERS, draw};
+use super::pass::{Step, barriers};
+use super::pipelines::{PassPipeline, Pipelines, SHADERS, draw, reads_past};
 use super::rays;
 use super::schedule::{Conditions, Primary, Rotation, Work, looks, schedule};
+use super::targets::Target;
 use crate::error::{Error, Result};
 use crate::gpu_scene::GpuScene;
 use crate::scene::SceneDescription;
@@ -15,7 +16,9 @@ use ash::vk;
 use glam::Vec3;
 use shared::camera::Camera;
 use shared::frame::{FrameConstants, Settings, features};
-use shared::interface::{PassConstants, frame_binding, past_binding};
+use shared::interface::PassConstants;
+use shared::passes::Pass;
+use shared::resources::{Resource, set};
 
 use vk::{AccessFlags as Access, PipelineStageFlags as PipelineStage};
 
@@ -62,11 +65,12 @@ struct Seen<'a> {
 }
 
 impl<'a> Seen<'a> {
-    fn buffer(self, id: BufferId) -> &'a Buffer {
-        match (id, self.reference) {
-            (BufferId::Reference, Some(reference)) => reference.target(BufferId::Mean),
-            _ => self.history.target(id),
+    fn buffer(self, target: Target) -> &'a Buffer {
+        if target.resource != Resource::reference {
+            return self.history.target(target);
         }
+        // The mean of the history that shows the reference, where there is one.
+        self.reference.unwrap_or(self.history).target(Resource::mean)
     }
 }
 
@@ -146,7 +150,7 @@ impl Recorder {
         }
         for step in &plan.steps {
             let (only, settings) = (std::slice::from_ref(step), &plan.constants.settings);
-            self.device.submit_once(step.pass.stem, |cmd| {
+            self.device.submit_once(step.pass.stem(), |cmd| {
                 self.record_constants(cmd, &plan.constants);
                 timestamps.begin(cmd);
                 let seen = Seen { history, reference: None };
@@ -199,10 +203,10 @@ impl Recorder {
         let still = !self.ignores_motion && (history.index == 0 || rests);
         let conditions = Conditions { draws, features, moved, still };
         let (steps, next) = schedule(&options.work, conditions, history.rotation);
-        if draws {
-            history.targets.make_visibility(&self.device)?;
+        for (_, _, target) in steps.iter().flat_map(|step| &step.targets) {
+            history.targets.make(&self.device, target.resource)?;
         }
-        self.pipelines.prepare(steps.iter().map(|step| step.pass))?;
+        self.pipelines.prepare(steps.iter().map(|step| (step.pass, step.variant)))?;
         Ok(Plan { constants, steps, next, now })
     }
 
@@ -212,11 +216,11 @@ impl Recorder {
         cmd: vk::CommandBuffer,
         history: &History,
         reference: Option<&History>,
-        passes: &[(&'static Pass, PassConstants)],
+        passes: &[(Pass, PassConstants)],
         timestamps: &mut Timestamps,
     ) -> Result<()> {
         let steps = looks(passes, history.rotation);
-        self.pipelines.prepare(steps.iter().map(|step| step.pass))?;
+        self.pipelines.prepare(steps.iter().map(|step| (step.pass, step.variant)))?;
         let settings = Settings::default();
         self.record_steps(cmd, Seen { history, reference }, &settings, &steps, timestamps)
     }
@@ -246,7 +250,7 @@ impl Recorder {
                 let (read, write) = (Access::SHADER_READ, Access::SHADER_WRITE);
                 memory_barrier(device, cmd, (SHADERS, write), (SHADERS, read | write));
             }
-            let stem = step.pass.stem;
+            let stem = step.pass.stem();
             debug_label(device, cmd, stem, || self.record_step(cmd, seen, settings, step))?;
             timestamps.write(cmd, stem);
         }
@@ -262,25 +266,25 @@ impl Recorder {
         settings: &Settings,
         step: &Step,
     ) -> Result<()> {
-        let Some(pass) = self.pipelines.get(step.pass) else {
-            return Err(Error::Internal(format!("pass '{}' was not prepared", step.pass.stem)));
+        let Some(pass) = self.pipelines.get(step.pass, step.variant) else {
+            return Err(Error::Internal(format!("pass '{}' was not prepared", step.pass.stem())));
         };
-        let mut set = PushSet::new().uniform_buffer(frame_binding::CONSTANTS, &self.constants);
-        for (&(role, _), &buffer) in step.pass.uses.iter().zip(&step.buffers) {
-            set = set.storage_buffer(role.binding(), seen.buffer(buffer));
+        let mut resources = PushSet::new().uniform_buffer(set::CONSTANTS, &self.constants);
+        for &(binding, _, target) in &step.targets {
+            resources = resources.storage_buffer(binding.number(), seen.buffer(target));
         }
         let pipeline = pass.pipeline();
         pipeline.bind(cmd);
-        pipeline.bind_set(cmd, shared::interface::scene_binding::SET, self.scene.set());
-        pipeline.push_set(cmd, frame_binding::SET, &set);
-        if let (true, Some(past)) = (step.pass.past, self.scene.past_set()) {
-            pipeline.bind_set(cmd, past_binding::SET, past);
+        pipeline.bind_set(cmd, set::SCENE, self.scene.set());
+        pipeline.push_set(cmd, set::FRAME, &resources);
+        if reads_past(step.pass) {
+            pipeline.bind_set(cmd, set::PAST, self.scene.past_set());
         }
         pipeline.push_constants(cmd, &step.constants);
         let (PassPipeline::Raster(pipelines), Some(target)) = (pass, seen.history.targets.drawn()) else {
             return pass.launch(cmd, step.pass, seen.history.size(), settings);
         };
-        let buffer = seen.buffer(step.buffers[0]);
+        let buffer = seen.buffer(step.targets[0].2);
         draw(&self.device, cmd, pipelines, self.scene.draws(), target, buffer);
         Ok(())
     }

@@ -1,8 +1,8 @@
 //! Renders frames of one scene at one picture size, and waits for each.
 
 use super::history::History;
-use super::pass::BufferId;
 use super::recorder::Recorder;
+use super::targets::Target;
 use crate::error::Result;
 use crate::gpu_scene::GpuScene;
 use crate::scene::SceneDescription;
@@ -12,6 +12,7 @@ use crate::vulkan::{Device, Timestamps};
 use bytemuck::Pod;
 use glam::{UVec2, Vec3};
 use shared::camera::Camera;
+use shared::resources::Resource;
 
 pub use super::recorder::FrameOptions;
 
@@ -93,11 +94,11 @@ impl Renderer {
 
     /// Display values of the last frame: RGBA8, red lowest, rows from the top.
     pub fn display(&self) -> Result<Vec<u32>> {
-        self.read(BufferId::Display)
+        self.read(Resource::display)
     }
 
     /// Content of a target after the last frame.
-    pub fn read<T: Pod>(&self, target: BufferId) -> Result<Vec<T>> {
+    pub fn read<T: Pod>(&self, target: impl Into<Target>) -> Result<Vec<T>> {
         self.history.read(target)
     }
 }

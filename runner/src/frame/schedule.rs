@@ -1,15 +1,13 @@
-//! The frame as a readable list of passes, and which buffer each of them finds behind its roles.
+//! The frame as functions over a list of steps, and which copy of each buffer stands behind a binding.
 
-use super::pass::{BufferId, Pass, Role, Step};
-use super::passes::{
-    gbuffer, gbuffer_raster, initial, initial_tiled, pair_merge, pair_targets, presample, reference, shade,
-    shade_known, spatial, spatial_unbiased, temporal, temporal_known, temporal_moving, temporal_unbiased,
-    temporal_unbiased_moving, tonemap, visibility,
-};
+use super::pass::Step;
+use super::targets::Target;
 use crate::vulkan::Device;
 use serde::{Deserialize, Serialize};
 use shared::frame::{Settings, mode};
 use shared::interface::PassConstants;
+use shared::passes::{Pass, variant};
+use shared::resources::{Binding, Resource};
 use std::ops::Range;
 
 /// Lights that one dispatch of the reference adds: short enough that no driver's watchdog bites.
@@ -74,34 +72,83 @@ pub enum Work {
 
 /// The passes of one frame and the rotation that the next frame starts from.
 pub fn schedule(work: &Work, conditions: Conditions, rotation: Rotation) -> (Vec<Step>, Rotation) {
-    let (input, output) = (rotation.history, rotation.other(0));
-    let mut frame = Frame { conditions, rotation, input, output, steps: Vec::new() };
-    if let Work::ReferenceSlice { first, count } = *work {
-        if first == 0 {
-            frame.surfaces();
-        }
-        frame.reference(first..first + count);
-        // The next slice adds to the same surfaces.
-        return (frame.steps, rotation);
-    }
-    frame.surfaces();
+    let mut frame = Frame::new(conditions, rotation);
     match *work {
-        Work::Restir(ref settings) => frame.restir(settings),
-        Work::Reference { lights } => frame.reference(0..lights),
-        Work::ReferenceSlice { .. } => {}
+        Work::Restir(ref settings) => {
+            surfaces(&mut frame);
+            restir_di(&mut frame, settings);
+        }
+        Work::Reference { lights } => {
+            surfaces(&mut frame);
+            reference(&mut frame, 0..lights);
+        }
+        Work::ReferenceSlice { first, count } => {
+            if first == 0 {
+                surfaces(&mut frame);
+            }
+            reference(&mut frame, first..first + count);
+            // The next slice adds to the same surfaces.
+            return (frame.steps, rotation);
+        }
     }
-    frame.push(&tonemap::PASS, PassConstants::default());
+    frame.run(Pass::tonemap);
     (frame.steps, Rotation { gbuffer: 1 - rotation.gbuffer, history: frame.output })
 }
 
-/// Steps that look at a frame, of which `after` is the rotation that it left.
-pub fn looks(passes: &[(&'static Pass, PassConstants)], after: Rotation) -> Vec<Step> {
-    let rotation = Rotation { gbuffer: 1 - after.gbuffer, ..after };
-    let (input, output) = (after.history, after.other(0));
-    let mut frame = Frame { conditions: Conditions::default(), rotation, input, output, steps: Vec::new() };
-    for &(pass, constants) in passes {
-        frame.push(pass, constants);
+/// What each pixel sees.
+fn surfaces(frame: &mut Frame) {
+    if frame.conditions.draws {
+        frame.run(Pass::visibility);
+        frame.run(Pass::gbuffer_raster);
+    } else {
+        frame.run(Pass::gbuffer);
     }
+}
+
+/// ReSTIR DI: candidates, reuse in time and in space, shading.
+fn restir_di(frame: &mut Frame, settings: &Settings) {
+    let Conditions { moved, still, features, .. } = frame.conditions;
+    let unbiased = settings.mode == mode::UNBIASED;
+    let weights = if unbiased { variant::UNBIASED } else { 0 };
+    let tiled = if settings.tiles != 0 { variant::TILED } else { 0 };
+    if settings.tiles != 0 {
+        frame.run(Pass::presample);
+    }
+    frame.run_variant(Pass::initial, tiled);
+    if settings.temporal != 0 {
+        // At rest all visibility is known; nobody asks where it is left to shading.
+        let known = !moved && (still || !settings.visibility_is_known());
+        let pass = if unbiased && !known { Pass::temporal_traced } else { Pass::temporal };
+        frame.run_variant(pass, weights | if moved { variant::MOVING } else { 0 });
+    }
+    for iteration in 0..settings.spatial * settings.spatial_iterations {
+        frame.exchange(iteration);
+        let constants = PassConstants { iteration, ..Default::default() };
+        if settings.in_pairs() {
+            frame.run_with(Pass::pair_targets, constants);
+            frame.run_with(Pass::pair_merge, constants);
+        } else {
+            let pass = if unbiased { Pass::spatial_traced } else { Pass::spatial };
+            frame.steps.push(frame.step(pass, weights, constants));
+        }
+    }
+    frame.input = frame.output;
+    let asks = settings.shading_needs_rays(features);
+    frame.run(if asks { Pass::shade_traced } else { Pass::shade });
+}
+
+/// The sum over `lights`.
+fn reference(frame: &mut Frame, lights: Range<u32>) {
+    for first_light in lights.clone().step_by(REFERENCE_LIGHTS as usize) {
+        let light_count = REFERENCE_LIGHTS.min(lights.end - first_light);
+        frame.run_with(Pass::reference, PassConstants { first_light, light_count, ..Default::default() });
+    }
+}
+
+/// Steps that look at a frame, of which `after` is the rotation that it left.
+pub fn looks(passes: &[(Pass, PassConstants)], after: Rotation) -> Vec<Step> {
+    let mut frame = Frame::new(Conditions::default(), Rotation { gbuffer: 1 - after.gbuffer, ..after });
+    passes.iter().for_each(|&(pass, constants)| frame.run_with(pass, constants));
     frame.steps
 }
 
@@ -112,16 +159,17 @@ impl Rotation {
     }
 
     /// The G-buffer of the frame before.
-    pub fn last_gbuffer(self) -> BufferId {
-        BufferId::GBuffer(1 - self.gbuffer)
+    pub fn last_gbuffer(self) -> Target {
+        Target { resource: Resource::gbuffer, copy: 1 - self.gbuffer }
     }
 
     /// The reservoirs that the frame before shaded.
-    pub fn last_reservoirs(self) -> BufferId {
-        BufferId::Reservoirs(self.history)
+    pub fn last_reservoirs(self) -> Target {
+        Target { resource: Resource::reservoirs, copy: self.history }
     }
 }
 
+/// A frame in the making.
 struct Frame {
     conditions: Conditions,
     rotation: Rotation,
@@ -132,82 +180,43 @@ struct Frame {
 }
 
 impl Frame {
-    fn surfaces(&mut self) {
-        let passes: &[&'static Pass] = match self.conditions.draws {
-            true => &[&visibility::PASS, &gbuffer_raster::PASS],
-            false => &[&gbuffer::PASS],
-        };
-        passes.iter().for_each(|pass| self.push(pass, PassConstants::default()));
+    fn new(conditions: Conditions, rotation: Rotation) -> Self {
+        let (input, output) = (rotation.history, rotation.other(0));
+        Frame { conditions, rotation, input, output, steps: Vec::new() }
     }
 
-    fn restir(&mut self, settings: &Settings) {
-        let unbiased = settings.mode == mode::UNBIASED;
-        let Conditions { moved, still, .. } = self.conditions;
-        let temporal = match (unbiased, moved) {
-            (true, true) => &temporal_unbiased_moving::PASS,
-            (true, false) if still || !settings.visibility_is_known() => &temporal_known::PASS,
-            (true, false) => &temporal_unbiased::PASS,
-            (false, true) => &temporal_moving::PASS,
-            (false, false) => &temporal::PASS,
-        };
-        let spatial = if unbiased { &spatial_unbiased::PASS } else { &spatial::PASS };
-        if settings.tiles != 0 {
-            self.push(&presample::PASS, PassConstants::default());
-            self.push(&initial_tiled::PASS, PassConstants::default());
-        } else {
-            self.push(&initial::PASS, PassConstants::default());
-        }
-        if settings.temporal != 0 {
-            self.push(temporal, PassConstants::default());
-        }
-        if settings.spatial != 0 {
-            for iteration in 0..settings.spatial_iterations {
-                self.input = self.output;
-                self.output = self.rotation.other(1 - iteration as usize % 2);
-                let constants = PassConstants { iteration, ..Default::default() };
-                if settings.in_pairs() {
-                    self.push(&pair_targets::PASS, constants);
-                    self.push(&pair_merge::PASS, constants);
-                } else {
-                    self.push(spatial, constants);
-                }
-            }
-        }
+    fn run(&mut self, pass: Pass) {
+        self.run_with(pass, PassConstants::default());
+    }
+
+    fn run_with(&mut self, pass: Pass, constants: PassConstants) {
+        self.steps.push(self.step(pass, 0, constants));
+    }
+
+    fn run_variant(&mut self, pass: Pass, variant: u32) {
+        self.steps.push(self.step(pass, variant, PassConstants::default()));
+    }
+
+    fn step(&self, pass: Pass, variant: u32, constants: PassConstants) -> Step {
+        Step::new(pass, variant, constants, |binding| self.target(binding))
+    }
+
+    /// What was written is read next, in iteration `iteration` of spatial reuse.
+    fn exchange(&mut self, iteration: u32) {
         self.input = self.output;
-        let asks = settings.shading_needs_rays(self.conditions.features);
-        self.push(if asks { &shade::PASS } else { &shade_known::PASS }, PassConstants::default());
+        self.output = self.rotation.other(1 - iteration as usize % 2);
     }
 
-    fn reference(&mut self, lights: Range<u32>) {
-        for first_light in lights.clone().step_by(REFERENCE_LIGHTS as usize) {
-            let light_count = REFERENCE_LIGHTS.min(lights.end - first_light);
-            self.push(&reference::PASS, PassConstants { first_light, light_count, ..Default::default() });
-        }
-    }
-
-    fn push(&mut self, pass: &'static Pass, constants: PassConstants) {
-        let buffers = pass.uses.iter().map(|&(role, _)| self.buffer(role)).collect();
-        self.steps.push(Step { pass, buffers, constants });
-    }
-
-    fn buffer(&self, role: Role) -> BufferId {
-        match role {
-            Role::GBuffer => BufferId::GBuffer(self.rotation.gbuffer),
-            Role::PreviousGBuffer => BufferId::GBuffer(1 - self.rotation.gbuffer),
-            Role::ReservoirsIn => BufferId::Reservoirs(self.input),
-            Role::ReservoirsOut => BufferId::Reservoirs(self.output),
-            Role::ReservoirsHistory => BufferId::Reservoirs(self.rotation.history),
-            Role::Radiance => BufferId::Radiance,
-            Role::Display => BufferId::Display,
-            Role::TileEntries => BufferId::TileEntries,
-            Role::TilePoints => BufferId::TilePoints,
-            Role::Mean => BufferId::Mean,
-            Role::Reference => BufferId::Reference,
-            Role::Statistics => BufferId::Statistics,
-            Role::Rays => BufferId::Rays,
-            Role::Hits => BufferId::Hits,
-            Role::Visibility => BufferId::Visibility,
-            Role::PairTargets => BufferId::Reservoirs(self.rotation.history),
+    fn target(&self, binding: Binding) -> Target {
+        let copy = |resource, copy| Target { resource, copy };
+        match binding {
+            Binding::gbuffer => copy(Resource::gbuffer, self.rotation.gbuffer),
+            Binding::previous_gbuffer => self.rotation.last_gbuffer(),
+            Binding::reservoirs => copy(Resource::reservoirs, self.input),
+            Binding::merged => copy(Resource::reservoirs, self.output),
+            // The history is dead once it is merged: pairs of pixels tell each other there what they know.
+            Binding::history | Binding::pair_targets => self.rotation.last_reservoirs(),
+            once => once.resource().into(),
         }
     }
 }
@@ -215,7 +224,9 @@ impl Frame {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::frame::pass::{Access, barriers};
+    use crate::frame::pass::barriers;
+    use shared::passes::Access;
+    use shared::resources::set;
     use std::collections::HashMap;
 
     /// Follows the data: every buffer holds what its reader expects, however many iterations and whatever is off.
@@ -236,43 +247,46 @@ mod tests {
 
     fn follow(work: &Work, draws: bool, surfaces: &str) {
         let mut rotation = Rotation::default();
-        let mut content: HashMap<BufferId, (u32, &str)> = HashMap::new();
+        let mut content: HashMap<Target, (u32, &str)> = HashMap::new();
         for frame in 0..7 {
             let conditions = Conditions { draws, moved: frame % 2 == 1, ..Default::default() };
             let (steps, next) = schedule(work, conditions, rotation);
             let mut last_reservoirs = "";
             for step in &steps {
-                for (&(role, access), buffer) in step.pass.uses.iter().zip(&step.buffers) {
-                    let found = content.get(buffer).copied();
-                    match role {
-                        Role::GBuffer if access == Access::Read => {
+                for &(binding, access, target) in &step.targets {
+                    let found = content.get(&target).copied();
+                    match binding {
+                        Binding::gbuffer if access == Access::Read => {
                             assert_eq!(found, Some((frame, surfaces)))
                         }
-                        Role::PreviousGBuffer if frame > 0 => assert_eq!(found, Some((frame - 1, surfaces))),
-                        Role::Visibility if access == Access::Read => {
+                        Binding::previous_gbuffer if frame > 0 => {
+                            assert_eq!(found, Some((frame - 1, surfaces)))
+                        }
+                        Binding::visibility if access == Access::Read => {
                             assert_eq!(found, Some((frame, "visibility")))
                         }
-                        Role::ReservoirsIn => assert_eq!(found, Some((frame, last_reservoirs))),
-                        Role::PairTargets if access == Access::Read => {
+                        Binding::reservoirs => assert_eq!(found, Some((frame, last_reservoirs))),
+                        Binding::pair_targets if access == Access::Read => {
                             assert_eq!(found, Some((frame, "pair_targets")))
                         }
-                        Role::ReservoirsHistory if frame > 0 => {
+                        Binding::history if frame > 0 => {
                             assert_eq!(found.map(|f| f.0), Some(frame - 1), "history is of the frame before");
                         }
                         _ => {}
                     }
                 }
-                for (&(role, access), buffer) in step.pass.uses.iter().zip(&step.buffers) {
-                    if access != Access::Read {
-                        content.insert(*buffer, (frame, step.pass.stem));
+                for &(binding, access, target) in &step.targets {
+                    if access.writes() {
+                        content.insert(target, (frame, step.pass.stem()));
                         last_reservoirs =
-                            if role == Role::ReservoirsOut { step.pass.stem } else { last_reservoirs };
+                            if binding == Binding::merged { step.pass.stem() } else { last_reservoirs };
                     }
                 }
             }
-            let view = looks(&[(&super::super::passes::view::PASS, PassConstants::default())], next);
-            assert_eq!(content[&view[0].buffers[0]], (frame, surfaces));
-            assert_eq!(content[&view[0].buffers[1]], (frame, last_reservoirs));
+            let view = &looks(&[(Pass::view, PassConstants::default())], next)[0];
+            let seen = |binding| content[&view.target(binding).unwrap()];
+            assert_eq!(seen(Binding::gbuffer), (frame, surfaces));
+            assert_eq!(seen(Binding::reservoirs), (frame, last_reservoirs));
             assert_eq!(content[&next.last_reservoirs()], (frame, last_reservoirs));
             assert_eq!(content[&next.last_gbuffer()], (frame, surfaces));
             rotation = next;
@@ -283,8 +297,11 @@ mod tests {
     fn the_thesis_frame_reads_like_the_paper() {
         let thesis = Settings { mode: mode::BIASED, spatial_iterations: 2, ..Settings::default() };
         let (steps, _) = schedule(&Work::Restir(thesis), Conditions::default(), Rotation::default());
-        let stems: Vec<_> = steps.iter().map(|s| s.pass.stem).collect();
-        assert_eq!(stems, ["gbuffer", "initial", "temporal", "spatial", "spatial", "shade", "tonemap"]);
+        let stems: Vec<_> = steps.iter().map(|s| s.pass.stem()).collect();
+        assert_eq!(
+            stems,
+            ["gbuffer", "initial", "temporal", "spatial", "spatial", "shade_traced", "tonemap"]
+        );
         assert!(barriers(&steps).iter().all(|&wait| wait), "each pass needs the one before it");
     }
 
@@ -293,7 +310,7 @@ mod tests {
         for lights in [0, 1, 63, 64, 65, 500] {
             let (steps, _) =
                 schedule(&Work::Reference { lights }, Conditions::default(), Rotation::default());
-            let ranges = steps.iter().filter(|s| s.pass.stem == "reference").map(|s| s.constants);
+            let ranges = steps.iter().filter(|s| s.pass.stem() == "reference").map(|s| s.constants);
             let covered: Vec<u32> =
                 ranges.flat_map(|c| c.first_light..c.first_light + c.light_count).collect();
             assert_eq!(covered, (0..lights).collect::<Vec<_>>());
@@ -307,12 +324,29 @@ mod tests {
         for (first, count) in [(0, 100), (100, 30), (130, 1)] {
             let work = Work::ReferenceSlice { first, count };
             let (steps, next) = schedule(&work, Conditions::default(), rotation);
-            let surfaces = steps.iter().filter(|s| s.pass.stem == "gbuffer").count();
+            let surfaces = steps.iter().filter(|s| s.pass.stem() == "gbuffer").count();
             assert_eq!(surfaces, usize::from(first == 0), "one set of surfaces for all");
-            let adds = steps.iter().filter(|s| s.pass.stem == "reference").map(|s| s.constants);
+            let adds = steps.iter().filter(|s| s.pass.stem() == "reference").map(|s| s.constants);
             covered.extend(adds.flat_map(|c| c.first_light..c.first_light + c.light_count));
             rotation = next;
         }
         assert_eq!(covered, (0..131).collect::<Vec<_>>());
+    }
+
+    /// Buffers of several copies, or of none, have a rule; a new one without it would be bound to its first copy.
+    #[test]
+    fn copies_have_a_rule() {
+        let frame = Frame::new(Conditions::default(), Rotation::default());
+        for &binding in Binding::ALL.iter().filter(|binding| binding.set() == set::FRAME) {
+            let Target { resource, copy } = frame.target(binding);
+            // The reference's mean is that of another history.
+            assert!(copy < resource.copies() || binding == Binding::reference, "{binding:?}");
+        }
+        for names in
+            [&[Binding::gbuffer, Binding::previous_gbuffer][..], &[Binding::reservoirs, Binding::merged]]
+        {
+            assert_ne!(frame.target(names[0]), frame.target(names[1]));
+            assert_eq!(names[0].resource(), names[1].resource());
+        }
     }
 }

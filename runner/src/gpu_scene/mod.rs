@@ -20,7 +20,7 @@ use draws::Draws;
 use glam::{Affine3A, UVec2, Vec3A};
 use past::Past;
 use shared::frame::features;
-use shared::interface::scene_binding;
+use shared::resources::{Binding as Place, Resource, set};
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 use std::time::Instant;
@@ -34,11 +34,12 @@ pub struct GpuScene {
     features: u32,
     /// Without the geometry.
     arrays: SceneArrays,
-    /// By their binding.
-    buffers: BTreeMap<u32, Buffer>,
+    buffers: BTreeMap<Resource, Buffer>,
     draws: Draws,
     blas: BlasSet,
     tlas: Tlas,
+    /// Set 2 while nothing has moved: passes that may read it are bound to the present.
+    present: DescriptorSet,
     past: Option<Past>,
     // Kept for the descriptors above.
     textures: Vec<Image>,
@@ -69,27 +70,25 @@ impl GpuScene {
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
         let positions = upload.buffer("positions", &arrays.positions, storage | BUILD_INPUT)?;
         let indices = upload.buffer("indices", &arrays.indices, storage | BUILD_INPUT)?;
-        let buffers = BTreeMap::from([
-            (scene_binding::INSTANCES, upload.buffer("instances", &arrays.instances, storage)?),
-            (scene_binding::POSITIONS, positions),
-            (scene_binding::ATTRIBUTES, upload.buffer("vertex attributes", &arrays.attributes, storage)?),
-            (scene_binding::INDICES, indices),
-            (scene_binding::MATERIALS, upload.buffer("materials", &arrays.materials, storage)?),
-            (scene_binding::LIGHTS, upload.buffer("lights", &lights.lights, storage)?),
-            (scene_binding::ALIAS, upload.buffer("alias table", &lights.alias, storage)?),
-            (scene_binding::SECOND_UVS, upload.buffer("second uvs", &arrays.second_uvs, storage)?),
-            (
-                scene_binding::ENVIRONMENT,
-                upload.buffer("environment map", &environment_texels(scene), storage)?,
-            ),
-        ]);
+        let mut buffers = BTreeMap::new();
+        let mut keep =
+            |resource, buffer: Result<Buffer>| buffer.map(|buffer| drop(buffers.insert(resource, buffer)));
+        keep(Resource::instances, upload.buffer("instances", &arrays.instances, storage))?;
+        keep(Resource::positions, Ok(positions))?;
+        keep(Resource::attributes, upload.buffer("vertex attributes", &arrays.attributes, storage))?;
+        keep(Resource::indices, Ok(indices))?;
+        keep(Resource::materials, upload.buffer("materials", &arrays.materials, storage))?;
+        keep(Resource::lights, upload.buffer("lights", &lights.lights, storage))?;
+        keep(Resource::alias, upload.buffer("alias table", &lights.alias, storage))?;
+        keep(Resource::second_uvs, upload.buffer("second uvs", &arrays.second_uvs, storage))?;
+        keep(Resource::environment, upload.buffer("environment map", &environment_texels(scene), storage))?;
         let draws = Draws::new(&mut upload, &arrays)?;
         let (textures, views) = upload_textures(device, &mut upload, scene)?;
         upload.finish()?;
         startup::done("upload", start);
 
         stage("acceleration structures")?;
-        let (positions, indices) = (&buffers[&scene_binding::POSITIONS], &buffers[&scene_binding::INDICES]);
+        let (positions, indices) = (&buffers[&Resource::positions], &buffers[&Resource::indices]);
         let geometries = geometries(&arrays, positions, indices);
         let blas = startup::timed("BLAS", || BlasSet::build(device, &geometries))?;
         let tlas = startup::timed("TLAS", || Tlas::build(device, &blas, &tlas_instances(&arrays)))?;
@@ -99,12 +98,18 @@ impl GpuScene {
             &set_layout(device, views.len() as u32, arrays.features)?,
             views.len() as u32,
         )?;
-        set.bind_tlas(scene_binding::TLAS, &tlas);
-        for (binding, buffer) in &buffers {
-            set.bind_storage_buffer(*binding, buffer);
+        set.bind_tlas(set::STRUCTURE, &tlas);
+        for place in places(set::SCENE) {
+            set.bind_storage_buffer(place.number(), &buffers[&place.resource()]);
         }
-        set.bind_textures(scene_binding::TEXTURES, &views);
+        set.bind_textures(set::TEXTURES, &views);
+        let present = DescriptorSet::new(device, "present", &past::layout(device)?, 0)?;
+        present.bind_tlas(set::STRUCTURE, &tlas);
+        for place in places(set::PAST) {
+            present.bind_storage_buffer(place.number(), &buffers[&Resource::instances]);
+        }
         Ok(GpuScene {
+            present,
             set,
             light_count: lights.lights.len() as u32,
             environment_size: environment_size(scene),
@@ -164,6 +169,11 @@ impl GpuScene {
     }
 }
 
+/// The buffers of `set`.
+fn places(set: u32) -> impl Iterator<Item = Place> {
+    Place::ALL.iter().copied().filter(move |place| place.set() == set)
+}
+
 /// The layout of set 0 for a scene with so many textures and these features.
 fn set_layout(device: &Device, textures: u32, features: u32) -> Result<SetLayout> {
     use vk::ShaderStageFlags as Stage;
@@ -172,16 +182,11 @@ fn set_layout(device: &Device, textures: u32, features: u32) -> Result<SetLayout
         false => Stage::empty(),
     };
     let stages = Stage::RAYGEN_KHR | Stage::COMPUTE | Stage::VERTEX | alpha;
-    let mut bindings = vec![Binding::one(
-        scene_binding::TLAS,
-        vk::DescriptorType::ACCELERATION_STRUCTURE_KHR,
-        Stage::RAYGEN_KHR,
-    )];
-    for binding in scene_binding::INSTANCES..scene_binding::TEXTURES {
-        bindings.push(Binding::one(binding, vk::DescriptorType::STORAGE_BUFFER, stages));
-    }
+    let structure = vk::DescriptorType::ACCELERATION_STRUCTURE_KHR;
+    let mut bindings = vec![Binding::one(set::STRUCTURE, structure, Stage::RAYGEN_KHR)];
+    bindings.extend(Binding::buffers(set::SCENE, stages));
     let stages = Stage::RAYGEN_KHR | Stage::COMPUTE | alpha;
-    bindings.push(Binding::textures(scene_binding::TEXTURES, textures, stages));
+    bindings.push(Binding::textures(set::TEXTURES, textures, stages));
     SetLayout::new(device, "scene", &bindings)
 }
 

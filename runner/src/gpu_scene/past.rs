@@ -15,9 +15,9 @@ use bytemuck::{Pod, Zeroable, cast_slice};
 use glam::Affine3A;
 use shared::frame::features;
 use shared::geometry::InstanceGeometry;
-use shared::interface::{past_binding, scene_binding};
 use shared::light::Light;
 use shared::motion::{InstanceMotion, NO_LIGHT};
+use shared::resources::{Binding as Place, Resource, set};
 use std::collections::{BTreeMap, BTreeSet};
 
 const STORAGE: vk::BufferUsageFlags = vk::BufferUsageFlags::STORAGE_BUFFER;
@@ -61,11 +61,9 @@ struct Changes {
 pub fn layout(device: &Device) -> Result<SetLayout> {
     use vk::{DescriptorType as Type, ShaderStageFlags as Stage};
     let stages = Stage::RAYGEN_KHR | Stage::COMPUTE;
-    let mut bindings =
-        vec![Binding::one(past_binding::TLAS, Type::ACCELERATION_STRUCTURE_KHR, Stage::RAYGEN_KHR)];
-    for binding in past_binding::LIGHTS..=past_binding::CURRENT_TO_PREVIOUS {
-        bindings.push(Binding::one(binding, Type::STORAGE_BUFFER, stages));
-    }
+    let structure = Type::ACCELERATION_STRUCTURE_KHR;
+    let mut bindings = vec![Binding::one(set::STRUCTURE, structure, Stage::RAYGEN_KHR)];
+    bindings.extend(Binding::buffers(set::PAST, stages));
     SetLayout::new(device, "past", &bindings)
 }
 
@@ -128,13 +126,13 @@ impl GpuScene {
         let [first, second] = maps;
         past.maps = [first?, second?];
         past.table = table;
-        let former = self.buffers.insert(scene_binding::LIGHTS, lights);
+        let former = self.buffers.insert(Resource::lights, lights);
         if let (false, Some(former)) = (past.now.lights_replaced, former) {
             past.lights = former;
         }
-        self.buffers.insert(scene_binding::ALIAS, alias);
-        self.buffers.insert(scene_binding::INSTANCES, instances);
-        self.buffers.insert(scene_binding::ENVIRONMENT, environment);
+        self.buffers.insert(Resource::alias, alias);
+        self.buffers.insert(Resource::instances, instances);
+        self.buffers.insert(Resource::environment, environment);
         self.light_count = past.table.lights.len() as u32;
         self.environment_size = environment_size(scene);
         self.first_environment_light = past.table.first_environment as u32;
@@ -144,13 +142,8 @@ impl GpuScene {
             lights_replaced: true,
             ..Changes::default()
         };
-        for binding in [
-            scene_binding::LIGHTS,
-            scene_binding::ALIAS,
-            scene_binding::INSTANCES,
-            scene_binding::ENVIRONMENT,
-        ] {
-            self.set.bind_storage_buffer(binding, &self.buffers[&binding]);
+        for place in [Place::lights, Place::alias, Place::instances, Place::environment] {
+            self.set.bind_storage_buffer(place.number(), &self.buffers[&place.resource()]);
         }
         past.bind_lights();
         Ok(())
@@ -167,9 +160,9 @@ impl GpuScene {
         self.past.as_ref().is_some_and(|past| past.now.any)
     }
 
-    /// Set 2, once something has changed.
-    pub fn past_set(&self) -> Option<&DescriptorSet> {
-        self.past.as_ref().map(|past| &past.set)
+    /// Set 2: the previous frame's scene; the present one until something changes.
+    pub fn past_set(&self) -> &DescriptorSet {
+        self.past.as_ref().map_or(&self.present, |past| &past.set)
     }
 
     /// Device memory that is there for the past alone, bytes; 0 for a scene that never changed.
@@ -184,7 +177,7 @@ impl GpuScene {
             return Ok(());
         }
         full_barrier(device, cmd);
-        let lights = &self.buffers[&scene_binding::LIGHTS];
+        let lights = &self.buffers[&Resource::lights];
         if !past.now.lights_replaced {
             let mut ranges = past.before.lights.clone();
             ranges.extend(&past.now.lights);
@@ -217,9 +210,9 @@ impl GpuScene {
         }
         let target = |target| match target {
             Target::Motions => &past.motions,
-            Target::Instances => &self.buffers[&scene_binding::INSTANCES],
+            Target::Instances => &self.buffers[&Resource::instances],
             Target::Lights => lights,
-            Target::Alias => &self.buffers[&scene_binding::ALIAS],
+            Target::Alias => &self.buffers[&Resource::alias],
         };
         past.staging.swap(0, 1);
         let staging = staged.write(device, past.staging[0].take())?;
@@ -241,7 +234,7 @@ impl GpuScene {
         };
         if past.before.lights_replaced && !past.now.any {
             device.wait_idle()?;
-            let lights = &self.buffers[&scene_binding::LIGHTS];
+            let lights = &self.buffers[&Resource::lights];
             past.lights = Buffer::new(device, "lights of the past", lights.size(), STORAGE, Memory::Device)?;
             past.maps = same(device)?;
             device.submit_once("copy lights", |cmd| {
@@ -259,7 +252,7 @@ impl Past {
     fn new(device: &Device, scene: &GpuScene, description: &SceneDescription) -> Result<Past> {
         let geometries = scene.arrays.instances.len();
         let tlas = TlasUpdate::new(device, scene.arrays.placements.len())?;
-        let lights = &scene.buffers[&scene_binding::LIGHTS];
+        let lights = &scene.buffers[&Resource::lights];
         let past_lights = Buffer::new(device, "lights of the past", lights.size(), STORAGE, Memory::Device)?;
         device.submit_once("copy lights", |cmd| {
             lights.record_copy(cmd, &past_lights);
@@ -280,16 +273,16 @@ impl Past {
             before: Changes::default(),
             version: 0,
         };
-        past.set.bind_tlas(past_binding::TLAS, past.tlas.past());
-        past.set.bind_storage_buffer(past_binding::MOTIONS, &past.motions);
+        past.set.bind_tlas(set::STRUCTURE, past.tlas.past());
+        past.set.bind_storage_buffer(Place::motions.number(), &past.motions);
         past.bind_lights();
         Ok(past)
     }
 
     fn bind_lights(&self) {
-        self.set.bind_storage_buffer(past_binding::LIGHTS, &self.lights);
-        self.set.bind_storage_buffer(past_binding::PREVIOUS_TO_CURRENT, &self.maps[0]);
-        self.set.bind_storage_buffer(past_binding::CURRENT_TO_PREVIOUS, &self.maps[1]);
+        self.set.bind_storage_buffer(Place::previous_lights.number(), &self.lights);
+        self.set.bind_storage_buffer(Place::previous_to_current.number(), &self.maps[0]);
+        self.set.bind_storage_buffer(Place::current_to_previous.number(), &self.maps[1]);
     }
 
     fn bytes(&self) -> u64 {

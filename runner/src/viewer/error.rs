@@ -2,9 +2,9 @@
 
 use crate::error::Result;
 use crate::frame::history::History;
-use crate::frame::pass::BufferId;
 use crate::vulkan::{Buffer, Device, Memory, memory_barrier};
 use ash::vk;
+use shared::resources::Resource;
 use shared::statistics::BlockSums;
 
 /// Sums in flight.
@@ -38,7 +38,7 @@ impl ErrorSlot {
             self.buffer = None;
             return Ok(());
         }
-        let sums = history.target(BufferId::Statistics);
+        let sums = history.target(Resource::statistics);
         let bytes = sums.size();
         let target = match self.buffer.take().filter(|buffer| buffer.size() == bytes) {
             Some(buffer) => buffer,

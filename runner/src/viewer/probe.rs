@@ -2,13 +2,13 @@
 
 use crate::error::Result;
 use crate::frame::history::History;
-use crate::frame::pass::BufferId;
 use crate::vulkan::{Buffer, Device, Memory, memory_barrier};
 use ash::vk;
 use bytemuck::{Pod, Zeroable};
 use glam::{UVec2, Vec3};
 use shared::camera::Camera;
 use shared::reservoir::StoredReservoir;
+use shared::resources::Resource;
 use shared::surface::{GBufferTexel, Surface};
 
 /// Reservoirs a pixel has at most.
@@ -80,7 +80,7 @@ impl ProbeSlot {
             source.record_copy_range(cmd, at * bytes as u64, &self.buffer, offset as u64, bytes as u64)
         };
         copy(history.gbuffer(), index, std::mem::offset_of!(Content, texel), size_of::<GBufferTexel>())?;
-        let radiance = history.target(BufferId::Radiance);
+        let radiance = history.target(Resource::radiance);
         copy(radiance, index, std::mem::offset_of!(Content, radiance), size_of::<Vec3>())?;
         let reservoirs = history.reservoirs() as usize;
         for lane in 0..reservoirs.min(RESERVOIRS) {

@@ -2,7 +2,6 @@
 
 use crate::error::Result;
 use crate::frame::history::History;
-use crate::frame::passes;
 use crate::frame::recorder::{FrameOptions, Recorder};
 use crate::frame::schedule::Work;
 use crate::vulkan::{Device, Timestamps};
@@ -10,6 +9,7 @@ use ash::vk;
 use glam::UVec2;
 use shared::camera::Camera;
 use shared::interface::PassConstants;
+use shared::passes::Pass;
 use shared::view::kind;
 
 /// Another seed than the frames': the same lots on both sides would hide an error.
@@ -56,10 +56,10 @@ impl Reference {
         let mut looks = Vec::new();
         if self.lights == total {
             (self.lights, self.count) = (0, self.count + 1);
-            looks.push((&passes::accumulate::PASS, self.constants()));
+            looks.push((Pass::accumulate, self.constants()));
         }
         let view = if self.count > 0 { kind::MEAN } else { kind::RADIANCE };
-        looks.push((&passes::view::PASS, PassConstants { view, ..self.constants() }));
+        looks.push((Pass::view, PassConstants { view, ..self.constants() }));
         recorder.record_looks(cmd, &self.history, None, &looks, timestamps)
     }
 

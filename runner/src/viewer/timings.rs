@@ -1,9 +1,8 @@
 //! GPU times of passes over the last frames.
 
-use crate::frame::pass::Pass;
-use crate::frame::passes;
 use crate::frame::renderer::StepTimes;
 use crate::measure::times::median;
+use shared::passes::Pass;
 use std::collections::VecDeque;
 
 /// Frames that count.
@@ -19,11 +18,11 @@ pub struct Timings {
 }
 
 /// Passes that look at a frame: they are no part of what it costs.
-const LOOKS: [&Pass; 3] = [&passes::accumulate::PASS, &passes::view::PASS, &passes::statistics::PASS];
+const LOOKS: [Pass; 3] = [Pass::accumulate, Pass::view, Pass::statistics];
 
 /// Time that one frame's steps take without those that look at it, ms.
 pub fn rendering(steps: &StepTimes) -> f64 {
-    let looks = |stem: &str| LOOKS.iter().any(|pass| pass.stem == stem);
+    let looks = |stem: &str| LOOKS.iter().any(|pass| pass.stem() == stem);
     steps.iter().filter(|(stem, _)| !looks(stem)).map(|(_, ms)| ms).sum()
 }
 

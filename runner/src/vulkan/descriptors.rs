@@ -25,6 +25,12 @@ impl Binding {
         Binding { binding, kind, count: 1, stages, array: false }
     }
 
+    /// The storage buffers that the table of resources has in `set`.
+    pub fn buffers(set: u32, stages: vk::ShaderStageFlags) -> impl Iterator<Item = Binding> {
+        let places = shared::resources::Binding::ALL.iter().filter(move |binding| binding.set() == set);
+        places.map(move |place| Binding::one(place.number(), vk::DescriptorType::STORAGE_BUFFER, stages))
+    }
+
     /// Sampled images of up to `count` textures; only the last binding of a set can be one.
     pub const fn textures(binding: u32, count: u32, stages: vk::ShaderStageFlags) -> Binding {
         let count = if count == 0 { 1 } else { count };

@@ -4,51 +4,18 @@
 //! weighed alike, w = p̂ / (M p + M_b p_b): the balance heuristic of Veach & Guibas 1995, whichever technique drew them. p_b is
 //! the density of a direction times the solid angle of a unit of the light.
 
+use super::Survivor;
 use crate::bsdf;
 use crate::frame::Settings;
 use crate::light::tile::{TILE_SIZE, TileEntry, Tiles};
 use crate::light::{Incident, LightSample, LightTable};
 use crate::math::safe_ratio;
 use crate::pdf::SourcePdf;
-use crate::reservoir::{Reservoir, StoredReservoir};
+use crate::reservoir::Reservoir;
 use crate::rng::{Rng, unit_f32};
-use crate::shadow::ShadowRay;
 use crate::surface::Surface;
 use crate::target::target_function;
 use glam::{UVec4, Vec2, Vec3};
-
-/// A finished reservoir, and the ray of visibility reuse that may still empty it.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Proposal {
-    pub reservoir: StoredReservoir,
-    pub ray: ShadowRay,
-    /// An earlier ray has shown the sample to be visible.
-    pub seen: bool,
-}
-
-impl Proposal {
-    /// `reservoir`, filled at `surface`.
-    pub fn new(surface: &Surface, lights: LightTable<'_>, reservoir: StoredReservoir) -> Self {
-        let ray = ShadowRay::new(surface, &lights.incident(reservoir.sample, surface.position));
-        Proposal { reservoir, ray, seen: false }
-    }
-
-    /// A merge at `surface`, which sees the sample of `canonical`.
-    pub fn merged(
-        surface: &Surface,
-        lights: LightTable<'_>,
-        canonical: StoredReservoir,
-        reservoir: StoredReservoir,
-    ) -> Self {
-        let seen = canonical.shares_sample_with(reservoir);
-        Proposal { seen, ..Proposal::new(surface, lights, reservoir) }
-    }
-
-    /// No ray is worth tracing for nothing, or twice.
-    pub fn is_certain(&self) -> bool {
-        self.seen || self.reservoir.contribution_weight == 0.0
-    }
-}
 
 /// How many candidates each technique gives a reservoir.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -131,9 +98,9 @@ impl Fresh {
     }
 
     /// The ray of visibility reuse follows.
-    pub fn finish(self, surface: &Surface, lights: LightTable<'_>) -> Proposal {
+    pub fn finish(self, surface: &Surface, lights: LightTable<'_>) -> Survivor {
         let finished = lights.canonical(self.reservoir.finish(self.reservoir.confidence));
-        Proposal { seen: self.seen, ..Proposal::new(surface, lights, finished) }
+        Survivor { seen: self.seen, ..Survivor::new(surface, lights, finished) }
     }
 }
 
@@ -166,15 +133,6 @@ fn weighed(
     }
 }
 
-/// Resamples draws from the light table: survivor ~ p̂ as candidates grow.
-pub fn from_table(surface: &Surface, lights: LightTable<'_>, techniques: Techniques, rng: &mut Rng) -> Fresh {
-    let mut fresh = Fresh::default();
-    for _ in 0..techniques.lights {
-        fresh.add(candidate(surface, lights, techniques, rng));
-    }
-    fresh
-}
-
 /// Random numbers of candidate `i` of a tile in x and y; `last` are those of the candidate before. Four serve two.
 pub fn numbers_from_tile(i: u32, last: UVec4, rng: &mut Rng) -> UVec4 {
     if i & 1 == 0 { rng.next_u32x4() } else { UVec4::new(last.z, last.w, 0, 0) }
@@ -196,24 +154,6 @@ pub fn candidate_from_tile(
     weighed(surface, techniques, sample, &incident, entry.source_pdf(), random.y)
 }
 
-/// As [`from_table`], from the entries of one tile of [`crate::light::tile`].
-pub fn from_tile(
-    surface: &Surface,
-    lights: LightTable<'_>,
-    techniques: Techniques,
-    tiles: Tiles<'_>,
-    tile: u32,
-    rng: &mut Rng,
-) -> Fresh {
-    let mut fresh = Fresh::default();
-    let mut random = UVec4::ZERO;
-    for i in 0..techniques.lights {
-        random = numbers_from_tile(i, random, rng);
-        fresh.add(candidate_from_tile(surface, lights, techniques, tiles, tile, random));
-    }
-    fresh.looked_up(tiles)
-}
-
 impl Fresh {
     /// With the point of a survivor from a tile.
     pub fn looked_up(mut self, tiles: Tiles<'_>) -> Self {
@@ -226,7 +166,7 @@ impl Fresh {
 
 /// A ray that looks for light where the surface reflects.
 #[derive(Clone, Copy, Debug)]
-pub struct Glance {
+pub struct BsdfRay {
     /// World space, m.
     pub origin: Vec3,
     /// Unit.
@@ -235,13 +175,13 @@ pub struct Glance {
     pub u: f32,
 }
 
-impl Glance {
+impl BsdfRay {
     /// The next BSDF candidate's.
     pub fn new(surface: &Surface, rng: &mut Rng) -> Self {
         let random = rng.next_u32x4();
         let square = Vec2::new(unit_f32(random.y), unit_f32(random.z));
         let Surface { reflectance, normal, wo, .. } = surface;
-        Glance {
+        BsdfRay {
             origin: surface.ray_origin(f32::MAX),
             direction: bsdf::sample(reflectance, *normal, *wo, unit_f32(random.x), square),
             u: unit_f32(random.w),
@@ -281,9 +221,4 @@ impl Glance {
             u: self.u,
         }
     }
-}
-
-/// Visibility reuse (Bitterli et al. 2020, Alg. 5, line 6).
-pub fn accept(proposal: Proposal, visible: bool) -> StoredReservoir {
-    if visible { proposal.reservoir } else { proposal.reservoir.occluded() }
 }

@@ -1,20 +1,20 @@
-//! The three steps of ReSTIR DI, each a pair of pure functions around a ray, and what they share.
+//! What the passes of ReSTIR DI are made of.
 
 pub mod initial;
 pub mod moving;
 pub mod pairs;
 pub mod pairwise;
+pub mod reprojection;
 pub mod spatial;
-pub mod temporal;
 
 use crate::frame::{FrameConstants, Settings};
 use crate::light::LightTable;
-use crate::reservoir::StoredReservoir;
+use crate::reservoir::{Reservoir, StoredReservoir};
 use crate::shadow::ShadowRay;
 use crate::surface::{GBufferTexel, Surface};
 use crate::target::target_function;
 use glam::{UVec2, Vec3};
-use pairwise::CrossTargets;
+use pairwise::{CrossTargets, Weighed};
 
 /// The reservoirs and surfaces of one frame, rows from the top; reservoir `lane` of a pixel lies a whole image after
 /// reservoir `lane - 1`.
@@ -96,5 +96,59 @@ impl CrossProposal {
     pub fn seen(self, visible: bool) -> CrossTargets {
         let canonical_at_neighbor = if visible { self.targets.canonical_at_neighbor } else { 0.0 };
         CrossTargets { canonical_at_neighbor, ..self.targets }
+    }
+}
+
+/// A finished reservoir, and the ray of visibility reuse that may still empty it.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Survivor {
+    pub reservoir: StoredReservoir,
+    pub ray: ShadowRay,
+    /// An earlier ray has shown the sample to be visible.
+    pub seen: bool,
+}
+
+impl Survivor {
+    /// `reservoir`, filled at `surface`.
+    pub fn new(surface: &Surface, lights: LightTable<'_>, reservoir: StoredReservoir) -> Self {
+        let ray = ShadowRay::new(surface, &lights.incident(reservoir.sample, surface.position));
+        Survivor { reservoir, ray, seen: false }
+    }
+
+    /// A merge at `surface`, which sees the sample of `canonical`.
+    pub fn merged(
+        surface: &Surface,
+        lights: LightTable<'_>,
+        canonical: StoredReservoir,
+        reservoir: StoredReservoir,
+    ) -> Self {
+        let seen = canonical.shares_sample_with(reservoir);
+        Survivor { seen, ..Survivor::new(surface, lights, reservoir) }
+    }
+
+    /// Visibility reuse (Bitterli et al. 2020, Alg. 5, line 6): the reservoir, or an empty one where its sample is hidden.
+    pub fn kept(self, visible: bool) -> StoredReservoir {
+        if visible { self.reservoir } else { self.reservoir.occluded() }
+    }
+
+    /// No ray is worth tracing for nothing, or twice.
+    pub fn is_certain(&self) -> bool {
+        self.seen || self.reservoir.contribution_weight == 0.0
+    }
+}
+
+/// Merges reservoirs by 1/M (Bitterli et al. 2020, Alg. 4).
+#[derive(Clone, Copy, Debug, Default)]
+pub struct UniformMerge(Reservoir);
+
+impl UniformMerge {
+    /// Adds a reservoir with `target` p̂ at the pixel that merges; `u` in [0, 1). MIS weights are known at the end only.
+    pub fn add(&mut self, reservoir: StoredReservoir, target: f32, u: f32) -> Weighed {
+        let survives = self.0.merge(reservoir, target, u);
+        Weighed { mis_weight: 0.0, weight: reservoir.merged_weight(target), survives }
+    }
+
+    pub fn finish(self) -> StoredReservoir {
+        self.0.finish(self.0.confidence)
     }
 }

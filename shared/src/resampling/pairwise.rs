@@ -118,14 +118,8 @@ impl Pairwise {
         Weighed { mis_weight, weight, survives }
     }
 
-    /// All that was added.
-    pub fn merged(&self) -> Reservoir {
-        self.merged
-    }
-
-    /// Ends with the canonical survivor. `u` in [0, 1).
-    pub fn finish(mut self, u: f32) -> StoredReservoir {
-        self.add_canonical(u);
+    /// All that was added; the canonical survivor comes last.
+    pub fn finish(self) -> StoredReservoir {
         self.merged.finish(1.0)
     }
 }
@@ -137,6 +131,11 @@ mod tests {
 
     fn stored(light: u32, weight: f32, confidence: f32) -> StoredReservoir {
         StoredReservoir { sample: LightSample { light, uv: 0 }, contribution_weight: weight, confidence }
+    }
+
+    fn finished(mut merge: Pairwise, u: f32) -> StoredReservoir {
+        merge.add_canonical(u);
+        merge.finish()
     }
 
     /// Σ m_i(y) = 1 at one y that every pixel proposes: with p̂_j(y) = targets[j] and W = 1 everywhere, the merged weight
@@ -160,7 +159,7 @@ mod tests {
                     };
                     merge.add(stored(0, 1.0, confidences[i]), cross, 0.5);
                 }
-                let merged = merge.finish(0.5);
+                let merged = finished(merge, 0.5);
                 // W = Σ m p̂_0 / p̂_0.
                 let sum = merged.contribution_weight;
                 assert!((sum - 1.0).abs() < 1e-5, "{targets:?} {confidences:?}: {sum}");
@@ -184,7 +183,7 @@ mod tests {
         assert!(doubt > 0.1);
         doubted.resolve(doubt);
         exact.add(stored(1, 0.5, 9.0), cross(0.0), 0.5);
-        let (a, b) = (doubted.finish(0.5), exact.finish(0.5));
+        let (a, b) = (finished(doubted, 0.5), finished(exact, 0.5));
         assert!((a.contribution_weight - b.contribution_weight).abs() < 1e-6, "{a:?} {b:?}");
     }
 
@@ -200,7 +199,7 @@ mod tests {
         };
         // W = 1/p̂ there.
         merge.add(stored(1, 1e6, 1.0), cross, 0.0);
-        let merged = merge.finish(0.999);
+        let merged = finished(merge, 0.999);
         assert!(merged.contribution_weight * 1e6 < 2.0, "{merged:?}");
     }
 
@@ -208,6 +207,6 @@ mod tests {
     fn empty_reservoirs_merge_to_nothing() {
         let mut merge = Pairwise::new(StoredReservoir::default(), 0.0, 0.0, 1.0);
         merge.add(StoredReservoir::default(), CrossTargets::default(), 0.0);
-        assert_eq!(merge.finish(0.0).contribution_weight, 0.0);
+        assert_eq!(finished(merge, 0.0).contribution_weight, 0.0);
     }
 }

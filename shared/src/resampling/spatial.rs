@@ -1,14 +1,14 @@
 //! Merges the reservoirs of neighboring pixels.
 
 use super::pairwise::{Pairwise, Weighed};
-use super::{CrossProposal, Pixels, initial, is_similar, reservoir_index, target_of};
+use super::{CrossProposal, Pixels, is_similar, reservoir_index};
 use crate::frame::{FrameConstants, Settings};
-use crate::light::LightTable;
-use crate::reservoir::{Reservoir, StoredReservoir};
+use crate::passes::{Silent, Witness};
+use crate::reservoir::StoredReservoir;
 use crate::rng::{Rng, unit_f32};
 use crate::sampling::square_to_disk;
 use crate::shadow::ShadowRay;
-use crate::surface::Surface;
+use crate::surface::{GBufferTexel, Surface};
 use glam::{IVec2, UVec2, Vec2};
 
 /// A neighbor of `pixel`, uniform over the disk of `radius` pixels; none outside the image or on `pixel` itself.
@@ -21,56 +21,38 @@ fn neighbor_of(pixel: UVec2, size: UVec2, radius: f32, random: Vec2) -> Option<U
 }
 
 /// The next neighbor of `pixel`, whatever it sees, if this draw lies in the image; and two numbers in [0, 1) to merge it with.
-pub fn draw_neighbor(frame: &FrameConstants, pixel: UVec2, rng: &mut Rng) -> (Option<UVec2>, [f32; 2]) {
+fn draw_neighbor(frame: &FrameConstants, pixel: UVec2, rng: &mut Rng) -> (Option<UVec2>, [f32; 2]) {
     let random = rng.next_u32x4();
     let at = Vec2::new(unit_f32(random.x), unit_f32(random.y));
     let place = neighbor_of(pixel, frame.size, frame.settings.radius, at);
     (place, [unit_f32(random.z), unit_f32(random.w)])
 }
 
-/// The next neighbor if it is similar: the G-buffer alone decides.
-fn next_neighbor(
+/// The next neighbor if it is similar: the G-buffer alone decides; and two numbers in [0, 1) to merge it with.
+pub fn next_neighbor(
     frame: &FrameConstants,
     surface: &Surface,
-    pixels: Pixels<'_>,
+    gbuffer: &[GBufferTexel],
     pixel: UVec2,
     rng: &mut Rng,
+    note: &mut impl Witness,
 ) -> (Option<UVec2>, [f32; 2]) {
     let (place, numbers) = draw_neighbor(frame, pixel, rng);
     let similar = place.filter(|&place| {
-        let texel = pixels.gbuffer[frame.pixel_index(place) as usize];
+        let texel = gbuffer[frame.pixel_index(place) as usize];
         is_similar(&frame.settings, surface.distance, surface.normal, &texel)
     });
+    note.place(place, similar.is_some());
     (similar, numbers)
 }
 
-/// Biased spatial reuse, 1/M (Bitterli et al. 2020, Alg. 4): the reservoir of `pixel` merged with those of
-/// `neighbors` similar surfaces.
-pub fn biased(
-    frame: &FrameConstants,
-    lights: LightTable<'_>,
-    surface: &Surface,
-    pixels: Pixels<'_>,
-    pixel: UVec2,
-    lane: u32,
-    rng: &mut Rng,
-) -> StoredReservoir {
-    let canonical = pixels.reservoirs[reservoir_index(frame, pixel, lane) as usize];
-    let mut merged = Reservoir::default();
-    merged.merge(canonical, target_of(surface, lights, canonical), rng.next_f32());
-    for _ in 0..frame.settings.neighbors {
-        let (place, [u, _]) = next_neighbor(frame, surface, pixels, pixel, rng);
-        if let Some(place) = place {
-            let neighbor = pixels.reservoirs[reservoir_index(frame, place, lane) as usize];
-            merged.merge(neighbor, target_of(surface, lights, neighbor), u);
-        }
-    }
-    merged.finish(merged.confidence)
-}
-
 /// Neighbors merged, but for one question: does the neighbor that `ray` leaves from see the canonical sample?
+///
+/// Which neighbors see the canonical sample matters to its weight alone, m_0 = known + Σ_i doubt_i (1 - V_i). One ray estimates the
+/// sum: a neighbor drawn in proportion to its doubt answers for all. That keeps the mean, as the merged estimate is linear in
+/// m_0, and m_0 stays within [0, 1].
 #[derive(Clone, Copy, Debug)]
-pub struct Proposal {
+pub struct DoubtedMerge {
     merge: Pairwise,
     /// Σ of what the canonical weight gains by each neighbor that does not see its sample.
     pub doubt: f32,
@@ -78,29 +60,22 @@ pub struct Proposal {
     pub ray: ShadowRay,
 }
 
-impl Proposal {
-    /// Of one reservoir, before its neighbors are added. `others`: their confidences.
-    pub fn new(
-        settings: &Settings,
-        surface: &Surface,
-        lights: LightTable<'_>,
-        canonical: StoredReservoir,
-        others: f32,
-    ) -> Self {
-        let target = target_of(surface, lights, canonical);
+impl DoubtedMerge {
+    /// Of one reservoir with `target` p̂_0(y_0), before its neighbors are added. `others`: their confidences.
+    pub fn new(settings: &Settings, canonical: StoredReservoir, target: f32, others: f32) -> Self {
         let merge = Pairwise::new(canonical, target, others, settings.neighbor_trust());
-        Proposal { merge, doubt: 0.0, ray: ShadowRay::default() }
+        DoubtedMerge { merge, doubt: 0.0, ray: ShadowRay::default() }
     }
 
-    /// Adds a neighbor. `u` in [0, 1) decides over its survival, `lot` in [0, 1) whether it answers for all so far.
-    pub fn add(&mut self, cross: CrossProposal, u: f32, lot: f32) -> Added {
+    /// Adds a neighbor. `u` in [0, 1) decides over its survival, `v` in [0, 1) whether it answers for all so far.
+    pub fn add(&mut self, cross: CrossProposal, u: f32, v: f32) -> Added {
         let weighed = self.merge.add(cross.neighbor, cross.targets, u);
         // Who holds the same sample has seen it.
         let agrees = cross.neighbor.shares_sample_with(self.merge.canonical());
         let canonical_at_neighbor = if agrees { 0.0 } else { cross.targets.canonical_at_neighbor };
         let doubt = self.merge.doubt(cross.neighbor.confidence, canonical_at_neighbor);
         self.doubt += doubt;
-        let asked = lot * self.doubt < doubt;
+        let asked = v * self.doubt < doubt;
         if asked {
             self.ray = cross.ray;
         }
@@ -132,60 +107,6 @@ pub struct Added {
     pub asked: bool,
 }
 
-/// `place` seen from `surface`, the reservoir of one against `canonical` of the other.
-pub fn cross(
-    frame: &FrameConstants,
-    lights: LightTable<'_>,
-    surface: &Surface,
-    canonical: StoredReservoir,
-    pixels: Pixels<'_>,
-    place: UVec2,
-    lane: u32,
-) -> CrossProposal {
-    let neighbor = pixels.reservoirs[reservoir_index(frame, place, lane) as usize];
-    let texel = pixels.gbuffer[frame.pixel_index(place) as usize];
-    let there = texel.unpack(&frame.camera, place, frame.size);
-    CrossProposal::new(lights, surface, canonical, &there, neighbor)
-}
-
-/// Unbiased spatial reuse begins: the reservoir of `pixel` merged with those of `neighbors` similar surfaces by pairwise
-/// MIS. Which neighbors see the canonical sample matters to its weight alone, m_0 = known + Σ_i doubt_i (1 - V_i). One
-/// ray estimates the sum: a neighbor drawn in proportion to its doubt answers for all. That keeps the mean, as the merged
-/// estimate is linear in m_0, and m_0 stays within [0, 1].
-pub fn propose(
-    frame: &FrameConstants,
-    lights: LightTable<'_>,
-    surface: &Surface,
-    pixels: Pixels<'_>,
-    pixel: UVec2,
-    lane: u32,
-    rng: &mut Rng,
-) -> Proposal {
-    let canonical = pixels.reservoirs[reservoir_index(frame, pixel, lane) as usize];
-    let others = confidence_of_neighbors(frame, surface, pixels, pixel, lane, *rng);
-    let mut proposal = Proposal::new(&frame.settings, surface, lights, canonical, others);
-    for _ in 0..frame.settings.neighbors {
-        let (place, [u, lot]) = next_neighbor(frame, surface, pixels, pixel, rng);
-        if let Some(place) = place {
-            proposal.add(cross(frame, lights, surface, canonical, pixels, place, lane), u, lot);
-        }
-    }
-    proposal
-}
-
-/// Ends once the ray has answered. The survivor's own visibility is still to be asked.
-pub fn accept(
-    surface: &Surface,
-    lights: LightTable<'_>,
-    proposal: Proposal,
-    visible: bool,
-    rng: &mut Rng,
-) -> initial::Proposal {
-    let canonical = proposal.merge.canonical();
-    let merged = proposal.resolved(visible).finish(rng.next_f32());
-    initial::Proposal::merged(surface, lights, canonical, merged)
-}
-
 /// S of [`Pairwise`]. The numbers in `rng` choose the neighbors here, and again where they are merged.
 pub fn confidence_of_neighbors(
     frame: &FrameConstants,
@@ -197,7 +118,8 @@ pub fn confidence_of_neighbors(
 ) -> f32 {
     let mut sum = 0.0;
     for _ in 0..frame.settings.neighbors {
-        if let (Some(place), _) = next_neighbor(frame, surface, pixels, pixel, &mut rng) {
+        if let (Some(place), _) = next_neighbor(frame, surface, pixels.gbuffer, pixel, &mut rng, &mut Silent)
+        {
             sum += pixels.reservoirs[reservoir_index(frame, place, lane) as usize].confidence;
         }
     }

@@ -9,7 +9,6 @@ use shared::geometry::{InstanceGeometry, Triangle, VertexAttributes};
 use shared::glam::{Affine3A, UVec2, Vec2, Vec3};
 use shared::light::{Light, LightSample};
 use shared::math::pack_direction;
-use shared::resampling::initial;
 use shared::rng::{Rng, Stream, unit_f32};
 use shared::sampling::square_to_triangle;
 use shared::shadow::ShadowRay;
@@ -395,16 +394,12 @@ fn shadow_rays_stay_between_their_ends() {
     }
 }
 
-/// What a reservoir without lights proposes is dark, not an error.
+/// A scene without lights is dark, not an error, and its candidates count.
 #[test]
 fn no_candidates_are_no_light() {
     let world = World::new(Vec::new());
-    let view = world.view(0);
-    let mut rng = Rng::new(UVec2::ZERO, 0, 0, Stream::Initial, 0);
-    let proposal = {
-        let techniques = initial::Techniques { lights: 32, bsdf: 0 };
-        let fresh = initial::from_table(&view.surfaces[0], world.table(), techniques, &mut rng);
-        fresh.finish(&view.surfaces[0], world.table())
-    };
-    assert!(proposal.is_certain() && proposal.reservoir.confidence == 32.0);
+    let views = [world.view(0), world.view(1)];
+    let mut sequence = Sequence::new(&world, &views, Settings { candidates: 32, ..base() }, 0, None);
+    assert!(sequence.next_frame().iter().all(|&radiance| radiance == Vec3::ZERO));
+    assert!(sequence.reservoirs().iter().all(|r| r.contribution_weight == 0.0 && r.confidence == 32.0));
 }

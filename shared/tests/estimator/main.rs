@@ -1,6 +1,6 @@
-//! The whole estimator on the CPU, the very functions that become shaders, against mathematics in f64.
+//! The whole estimator on the CPU, the very bodies of the GPU's passes, against mathematics in f64.
 //!
-//! [`world`] has the scenes, [`truth`] their radiance by closed form and quadrature, [`passes`] the frame as the shaders run
+//! [`world`] has the scenes, [`truth`] their radiance by closed form and quadrature, [`passes`] the frame as the GPU runs
 //! it and the errors that can be planted in it, [`statistics`] the test that decides. Then the tests: [`matrix`] (every kind
 //! of light under every kind of reuse), [`controls`] (each planted error is seen), [`hard_cases`] and [`long_runs`].
 

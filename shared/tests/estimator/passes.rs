@@ -1,21 +1,28 @@
-//! The frame as the shaders run it: pure functions around rays; and the errors that can be planted between them.
+//! Frames on the CPU: the bodies of the GPU's passes in their order; and the errors that can be planted in what they ask, in what
+//! they tell, and in what one leaves to the next.
 
-use crate::world::{View, World};
+use crate::world::{SKY, View, World};
 
 use shared::bsdf;
+use shared::environment::EnvironmentTexel;
 use shared::frame::{FrameConstants, Settings, features, mode};
-use shared::glam::{UVec2, Vec3};
-use shared::light::tile::{TILE_SIZE, TILES, TileEntry, Tiles, presample, tile_of};
+use shared::geometry::InstanceGeometry;
+use shared::glam::{Affine3A, UVec2, Vec3};
+use shared::interface::{HitPayload, PassConstants};
+use shared::light::tile::{TILE_SIZE, TILES, TileEntry, tile_of};
 use shared::light::{LightTable, build_alias_table, kind};
+use shared::motion::NO_LIGHT;
+use shared::passes::pair_targets::PairTargets;
+use shared::passes::{self, Assumed, At, Question, Technique, Visibility, Witness, variant};
 use shared::pdf::SourcePdf;
-use shared::resampling::initial::{Candidate, Glance, Techniques};
-use shared::resampling::pairs::{self, PairTargets};
-use shared::resampling::{Pixels, initial, reservoir_index, spatial, temporal};
-use shared::reservoir::{Reservoir, StoredReservoir};
-use shared::rng::{Rng, Stream};
-use shared::shading;
+use shared::resampling::CrossProposal;
+use shared::resampling::initial::Candidate;
+use shared::reservoir::StoredReservoir;
+use shared::resources::{Buffers, Extent};
+use shared::shading::Contribution;
+use shared::shadow::ShadowRay;
 use shared::surface::Surface;
-use shared::target::target_function;
+use std::collections::BTreeSet;
 use std::f32::consts::PI;
 
 /// One step done wrong.
@@ -105,37 +112,68 @@ impl<'a> Sequence<'a> {
         &self.history
     }
 
-    fn is(&self, plant: Plant) -> bool {
-        self.plant == Some(plant)
-    }
-
     /// Runs one frame and gives the radiance of its pixels.
     pub fn next_frame(&mut self) -> Vec<Vec3> {
         let [view, before] = [self.index & 1, (self.index + 1) & 1].map(|i| &self.views[i as usize]);
-        let size = self.world.size;
+        let World { lights, alias, size, .. } = &self.lights;
+        let sky = lights.iter().position(|light| light.kind == kind::ENVIRONMENT);
         let frame = FrameConstants {
             camera: view.camera,
             previous_camera: before.camera,
-            size,
+            size: *size,
             index: self.index,
             seed: self.seed,
             settings: self.settings,
             exposure: 1.0,
             background: Vec3::ZERO,
-            environment_size: UVec2::ZERO,
-            first_environment_light: 0,
+            environment_size: if sky.is_some() { SKY } else { UVec2::ZERO },
+            first_environment_light: sky.unwrap_or(0) as u32,
         };
-        let lights = self.lights.table();
-        let pass = Pass { sequence: self, frame: &frame, lights, view, before };
-        let mut reservoirs = pass.initial();
+        let known = features::TRACEABLE | features::LIGHT_KINDS;
+        // What has lights by its triangles' numbers, and what has none: see `World::nearest`.
+        let instances = [0, NO_LIGHT].map(|first_light| InstanceGeometry {
+            first_light,
+            ..InstanceGeometry::new(Affine3A::IDENTITY, 0, 0, 0)
+        });
+        let texel = |light| EnvironmentTexel { radiance: Vec3::ZERO, light };
+        let environment: Vec<_> = (0..SKY.x * SKY.y).map(texel).collect();
+        let buffers = Buffers {
+            lights,
+            alias,
+            instances: &instances,
+            environment: &environment,
+            gbuffer: &view.gbuffer,
+            previous_gbuffer: &before.gbuffer,
+            history: &self.history,
+            ..Buffers::default()
+        };
+        let frame = Frame {
+            world: self.world,
+            plant: self.plant,
+            constants: &frame,
+            features: if sky.is_some() { known | features::ENVIRONMENT } else { known },
+            buffers,
+        };
+        let mut reservoirs = frame.initial();
         if self.settings.temporal != 0 {
-            reservoirs = pass.temporal(reservoirs);
+            // No ray where nothing has moved.
+            reservoirs = if view.camera == before.camera {
+                frame.temporal(Assumed, &reservoirs)
+            } else {
+                let planted =
+                    [(Plant::HistoryRay, Question::History), (Plant::SurvivorRay, Question::Survivor)];
+                frame.temporal(frame.rays(planted), &reservoirs)
+            };
         }
         for iteration in 0..self.settings.spatial_iterations * self.settings.spatial {
-            let merge = if self.settings.in_pairs() { Pass::spatial_in_pairs } else { Pass::spatial };
-            reservoirs = merge(&pass, reservoirs, iteration);
+            let merge = if self.settings.in_pairs() { Frame::spatial_in_pairs } else { Frame::spatial };
+            reservoirs = merge(&frame, &reservoirs, iteration);
         }
-        let radiance = pass.shade(&reservoirs);
+        let radiance = if self.settings.shading_needs_rays(frame.features) {
+            frame.shade(frame.rays([(Plant::ShadowRay, Question::Shade)]), &reservoirs)
+        } else {
+            frame.shade(Assumed, &reservoirs)
+        };
         self.history = reservoirs;
         self.index += 1;
         radiance
@@ -160,70 +198,68 @@ fn planted_lights(world: &World, plant: Option<Plant>) -> World {
 
 /// What all passes of a frame read.
 #[derive(Clone, Copy)]
-struct Pass<'a> {
-    sequence: &'a Sequence<'a>,
-    frame: &'a FrameConstants,
-    lights: LightTable<'a>,
-    view: &'a View,
-    before: &'a View,
+struct Frame<'a> {
+    world: &'a World,
+    plant: Option<Plant>,
+    constants: &'a FrameConstants,
+    features: u32,
+    buffers: Buffers<'a>,
 }
 
-impl Pass<'_> {
+impl Frame<'_> {
     fn is(&self, plant: Plant) -> bool {
-        self.sequence.is(plant)
+        self.plant == Some(plant)
     }
 
-    fn surface(&self, pixel: UVec2) -> &Surface {
-        &self.view.surfaces[self.frame.pixel_index(pixel) as usize]
+    fn at(&self, pixel: UVec2, lane: u32, iteration: u32) -> At<'_> {
+        let Settings { mode, tiles, .. } = self.constants.settings;
+        let unbiased = if mode == mode::UNBIASED { variant::UNBIASED } else { 0 };
+        At {
+            frame: self.constants,
+            constants: PassConstants { iteration, ..PassConstants::default() },
+            features: self.features,
+            variant: unbiased | if tiles != 0 { variant::TILED } else { 0 },
+            pixel,
+            lane,
+        }
     }
 
     /// One result for every reservoir of every pixel, in the order of a reservoir buffer.
-    fn each(&self, of: impl Fn(UVec2, u32, usize) -> StoredReservoir) -> Vec<StoredReservoir> {
-        let lanes = 0..self.frame.settings.reservoirs;
-        let places = lanes.flat_map(|lane| self.sequence.world.pixels().map(move |pixel| (pixel, lane)));
-        places
-            .map(|(pixel, lane)| of(pixel, lane, reservoir_index(self.frame, pixel, lane) as usize))
+    fn each<T>(&self, iteration: u32, of: impl Fn(At<'_>, Falsifier<'_>, usize) -> T) -> Vec<T> {
+        let lanes = 0..self.constants.settings.reservoirs;
+        let all = lanes.flat_map(|lane| self.world.pixels().map(move |pixel| (pixel, lane)));
+        all.map(|(pixel, lane)| self.at(pixel, lane, iteration))
+            .map(|at| of(at, Falsifier { frame: self, at }, at.index(Extent::Reservoirs)))
             .collect()
     }
 
-    fn rng(&self, pixel: UVec2, stream: Stream, lane: u32) -> Rng {
-        Rng::new(pixel, self.frame.index, self.frame.seed, stream, lane)
-    }
-
-    /// The reservoir, or an empty one where a ray finds its sample hidden.
-    fn seen(&self, proposal: initial::Proposal, ray_left_out: bool) -> StoredReservoir {
-        let known = ray_left_out || proposal.is_certain();
-        initial::accept(proposal, known || self.sequence.world.trace(proposal.ray))
+    /// The exact answers, but to the questions whose error is planted: those are answered with yes.
+    fn rays<const N: usize>(&self, assumed: [(Plant, Question); N]) -> Rays<'_> {
+        let planted = assumed.into_iter().find(|&(plant, _)| self.is(plant));
+        Rays { frame: self, assumed: planted.map(|(_, question)| question) }
     }
 
     fn initial(&self) -> Vec<StoredReservoir> {
-        let settings = self.frame.settings;
-        let tiles = (settings.tiles != 0).then(|| self.tiles());
-        self.each(|pixel, lane, _| {
-            let (surface, lights) = (self.surface(pixel), self.lights);
-            let mut rng = self.rng(pixel, Stream::Initial, lane);
-            let techniques = Techniques::new(&settings, features::TRACEABLE);
-            let weighed = if self.is(Plant::Balance) { 0 } else { techniques.bsdf };
-            let weighed = Techniques { bsdf: weighed, ..techniques };
-            let mut fresh = match &tiles {
-                Some((entries, points)) => {
-                    let (tiles, tile) = (Tiles { entries, points }, tile_of(self.frame, pixel, lane));
-                    initial::from_tile(surface, lights, weighed, tiles, tile, &mut rng)
-                }
-                None => initial::from_table(surface, lights, weighed, &mut rng),
-            };
-            for _ in 0..techniques.bsdf {
-                let glance = Glance::new(surface, &mut rng);
-                if glance.is_worth_tracing(surface) {
-                    fresh.add_found(self.found(surface, techniques, glance));
-                }
-            }
-            let mut proposal = fresh.finish(surface, lights);
+        let b = self.buffers;
+        let (entries, points) =
+            if self.constants.settings.tiles != 0 { self.tiles() } else { (vec![], vec![]) };
+        let rays = self.rays([(Plant::VisibilityReuse, Question::Survivor)]);
+        self.each(0, |at, note, _| {
+            let mut fresh = passes::initial(
+                at,
+                rays,
+                note,
+                b.lights,
+                b.alias,
+                b.instances,
+                b.environment,
+                b.gbuffer,
+                &entries,
+                &points,
+            );
             if self.is(Plant::FreshNormalization) {
-                proposal.reservoir.contribution_weight *= proposal.reservoir.confidence;
+                fresh.contribution_weight *= fresh.confidence;
             }
-            let blind = settings.visibility_reuse == 0 || self.is(Plant::VisibilityReuse);
-            let mut fresh = self.seen(proposal, blind);
             if self.is(Plant::EmptyForgotten) && fresh.contribution_weight == 0.0 {
                 fresh.confidence = 0.0;
             }
@@ -231,229 +267,200 @@ impl Pass<'_> {
         })
     }
 
-    fn found(&self, surface: &Surface, techniques: Techniques, glance: Glance) -> Candidate {
-        let through = self.is(Plant::FoundRay);
-        let light = self.sequence.world.find(glance.origin, glance.direction, through);
-        let right = glance.candidate(surface, self.lights, techniques, light);
-        let incident = self.lights.incident(right.sample, surface.position);
-        let table = self.lights.pdf(light).0;
-        let found = right.source_pdf.0 - table;
-        let probability = bsdf::specular_probability(&surface.reflectance, surface.normal.dot(surface.wo));
-        let diffuse = surface.normal.dot(incident.direction) / PI;
-        let density = bsdf::pdf(&surface.reflectance, surface.normal, surface.wo, incident.direction).0;
-        let specular = (density - (1.0 - probability) * diffuse) / probability;
-        let source_pdf = match self.sequence.plant {
-            Some(Plant::Balance) => found,
-            Some(Plant::FoundSolidAngle) => table + found / incident.solid_angle.max(1e-6),
-            Some(Plant::FoundMixture) => {
-                let exchanged = (1.0 - probability) * specular + probability * diffuse;
-                table + found * exchanged / density
-            }
-            _ => return right,
-        };
-        Candidate { source_pdf: SourcePdf(source_pdf), ..right }
-    }
-
     /// The tiles that this frame's pixels read.
     fn tiles(&self) -> (Vec<TileEntry>, Vec<u32>) {
         let count = (TILES * TILE_SIZE) as usize;
-        let mut entries: Vec<TileEntry> = vec![Default::default(); count];
-        let mut points: Vec<u32> = vec![Default::default(); count];
-        let lanes = 0..self.frame.settings.reservoirs;
-        let used = lanes
-            .flat_map(|lane| self.sequence.world.pixels().map(move |pixel| tile_of(self.frame, pixel, lane)));
-        for tile in used.collect::<std::collections::BTreeSet<_>>() {
-            for entry in 0..TILE_SIZE {
-                let place = (tile * TILE_SIZE + entry) as usize;
-                (entries[place], points[place]) = presample(self.lights, tile, entry, self.frame);
-                if self.is(Plant::TilePmf) {
-                    // The sixth word of an entry is its density.
-                    let words: &mut [f32; 8] = bytemuck::cast_mut(&mut entries[place]);
-                    words[6] = 1.0 / self.lights.lights.count() as f32;
-                }
+        let (mut entries, mut points) = (vec![TileEntry::default(); count], vec![0; count]);
+        let used: BTreeSet<_> =
+            self.each(0, |at, _, _| tile_of(at.frame, at.pixel, at.lane)).into_iter().collect();
+        for place in used.iter().flat_map(|tile| (0..TILE_SIZE).map(move |entry| UVec2::new(entry, *tile))) {
+            let at = self.at(place, 0, 0);
+            let (mut entry, point) = passes::presample(at, self.buffers.lights, self.buffers.alias);
+            if self.is(Plant::TilePmf) {
+                // Word 6 of an entry is its density.
+                let words: &mut [f32; 8] = bytemuck::cast_mut(&mut entry);
+                words[6] = 1.0 / self.buffers.lights.len() as f32;
             }
+            (entries[at.index(Extent::Tiles)], points[at.index(Extent::Tiles)]) = (entry, point);
         }
         (entries, points)
     }
 
-    fn temporal(&self, fresh: Vec<StoredReservoir>) -> Vec<StoredReservoir> {
-        let previous = Pixels { gbuffer: &self.before.gbuffer, reservoirs: &self.sequence.history };
-        self.each(|pixel, lane, i| {
-            if self.frame.settings.mode == mode::BIASED {
-                self.reuse_history_biased(pixel, lane, fresh[i], previous)
-            } else {
-                self.reuse_history(pixel, lane, fresh[i], previous)
-            }
+    fn temporal(&self, rays: impl Visibility + Copy, fresh: &[StoredReservoir]) -> Vec<StoredReservoir> {
+        let b = self.buffers;
+        let settings = &self.constants.settings;
+        let mut history = b.history.to_vec();
+        if self.is(Plant::CapAfterWeight) {
+            let cap = settings.confidence_cap * settings.candidates as f32;
+            history.iter_mut().for_each(|h| h.contribution_weight *= (h.confidence / cap).max(1.0));
+        }
+        self.each(0, |at, note, i| {
+            self.unnormalized(passes::temporal(
+                at,
+                rays,
+                note,
+                b.lights,
+                b.alias,
+                b.gbuffer,
+                b.previous_gbuffer,
+                &history,
+                b.previous_lights,
+                b.motions,
+                b.previous_to_current,
+                b.current_to_previous,
+                fresh[i],
+            ))
         })
-    }
-
-    fn reuse_history_biased(
-        &self,
-        pixel: UVec2,
-        lane: u32,
-        fresh: StoredReservoir,
-        previous: Pixels<'_>,
-    ) -> StoredReservoir {
-        let (frame, lights, surface) = (self.frame, self.lights, self.surface(pixel));
-        let mut rng = self.rng(pixel, Stream::Temporal, lane);
-        if self.is(Plant::CapAfterWeight)
-            && let Some(place) = temporal::reproject(frame, surface, previous)
-        {
-            let history = previous.reservoirs[reservoir_index(frame, place, lane) as usize];
-            let capped = history.capped(frame.settings.confidence_cap * fresh.confidence);
-            let mut merged = Reservoir::default();
-            merged.merge(fresh, self.target(surface, fresh), rng.next_f32());
-            merged.merge(history, self.target(surface, history), rng.next_f32());
-            return merged.finish(fresh.confidence + capped.confidence);
-        }
-        let merged = temporal::biased(frame, lights, surface, fresh, previous, lane, &mut rng);
-        self.unnormalized(merged)
-    }
-
-    fn reuse_history(
-        &self,
-        pixel: UVec2,
-        lane: u32,
-        fresh: StoredReservoir,
-        previous: Pixels<'_>,
-    ) -> StoredReservoir {
-        let (frame, lights, surface) = (self.frame, self.lights, self.surface(pixel));
-        let mut rng = self.rng(pixel, Stream::Temporal, lane);
-        let Some(mut proposal) = temporal::propose(frame, lights, surface, fresh, previous, lane) else {
-            return fresh;
-        };
-        let blind = !frame.settings.visibility_is_known();
-        if self.is(Plant::MisWeight) {
-            let mut merged = Reservoir::default();
-            for other in [fresh, proposal.neighbor] {
-                let target = self.target(surface, other);
-                let weight = target * other.contribution_weight;
-                merged.add(other.sample, target, weight, other.confidence, rng.next_f32());
-            }
-            let merged = initial::Proposal::new(surface, lights, merged.finish(1.0));
-            return self.seen(merged, blind);
-        }
-        if self.is(Plant::ForeignTarget) {
-            proposal.targets.neighbor_at_neighbor = proposal.targets.neighbor_at_canonical;
-        }
-        let visible = blind
-            || proposal.is_certain()
-            || self.is(Plant::HistoryRay)
-            || self.sequence.world.trace(proposal.ray);
-        let merged = temporal::accept(lights, surface, fresh, proposal, visible, &mut rng);
-        self.seen(merged, blind || self.is(Plant::SurvivorRay))
-    }
-
-    fn target(&self, surface: &Surface, reservoir: StoredReservoir) -> f32 {
-        target_function(surface, &self.lights.incident(reservoir.sample, surface.position))
     }
 
     fn unnormalized(&self, merged: StoredReservoir) -> StoredReservoir {
         let planted = self.is(Plant::MergedNormalization);
-        let factor = if planted { merged.confidence / self.frame.settings.candidates as f32 } else { 1.0 };
+        let factor =
+            if planted { merged.confidence / self.constants.settings.candidates as f32 } else { 1.0 };
         StoredReservoir { contribution_weight: merged.contribution_weight * factor, ..merged }
     }
 
-    fn spatial(&self, input: Vec<StoredReservoir>, iteration: u32) -> Vec<StoredReservoir> {
-        let (frame, lights) = (self.frame, self.lights);
-        let pixels = Pixels { gbuffer: &self.view.gbuffer, reservoirs: &input };
-        self.each(|pixel, lane, _| {
-            let surface = self.surface(pixel);
-            let mut rng = self.rng(pixel, Stream::Spatial, lane + frame.settings.reservoirs * iteration);
-            if frame.settings.mode == mode::BIASED {
-                let merged = spatial::biased(frame, lights, surface, pixels, pixel, lane, &mut rng);
-                return self.unnormalized(merged);
-            }
-            let blind = !frame.settings.visibility_is_known();
-            let proposal = spatial::propose(frame, lights, surface, pixels, pixel, lane, &mut rng);
-            let answer = blind
-                || proposal.is_certain()
-                || self.is(Plant::DoubtRay)
-                || self.sequence.world.trace(proposal.ray);
-            let visible = answer != self.is(Plant::DoubtInverted);
-            let merged = spatial::accept(surface, lights, proposal, visible, &mut rng);
-            self.seen(merged, blind || self.is(Plant::SurvivorRay))
+    fn spatial(&self, reservoirs: &[StoredReservoir], iteration: u32) -> Vec<StoredReservoir> {
+        let b = self.buffers;
+        let rays =
+            self.rays([(Plant::DoubtRay, Question::Neighbor), (Plant::SurvivorRay, Question::Survivor)]);
+        self.each(iteration, |at, note, _| {
+            self.unnormalized(passes::spatial(at, rays, note, b.lights, b.alias, b.gbuffer, reservoirs))
         })
     }
 
-    fn spatial_in_pairs(&self, input: Vec<StoredReservoir>, iteration: u32) -> Vec<StoredReservoir> {
-        let settings = &self.frame.settings;
-        let pixels = Pixels { gbuffer: &self.view.gbuffer, reservoirs: &input };
-        let places = || {
-            let lanes = 0..settings.reservoirs;
-            lanes.flat_map(|lane| self.sequence.world.pixels().map(move |pixel| (pixel, lane)))
+    fn spatial_in_pairs(&self, reservoirs: &[StoredReservoir], iteration: u32) -> Vec<StoredReservoir> {
+        let b = self.buffers;
+        let all = |ray: Plant| -> Vec<PairTargets> {
+            let rays = self.rays([(ray, Question::Partner)]);
+            self.each(iteration, |at, note, _| {
+                passes::pair_targets(at, rays, note, b.lights, b.alias, b.gbuffer, reservoirs)
+            })
         };
-        let all = |blind| -> Vec<PairTargets> {
-            let of = |(pixel, lane)| {
-                self.pair_targets(pixels, pixel, lane, lane + settings.reservoirs * iteration, blind)
-            };
-            places().map(of).collect()
-        };
-        let blind = !settings.visibility_is_known();
-        let here = all(blind || self.is(Plant::RayToPartner));
-        let there = all(blind || self.is(Plant::RayFromPartner));
-        self.each(|pixel, lane, i| {
-            let mut rng = self.rng(pixel, Stream::Spatial, lane + settings.reservoirs * iteration);
+        let (here, there) = (all(Plant::RayToPartner), all(Plant::RayFromPartner));
+        self.each(iteration, |at, note, i| {
+            let mut targets = there.clone();
+            targets[i] = here[i];
             let partner = here[i].index as usize;
-            if partner == i {
-                return input[i];
+            if self.is(Plant::PartnerTarget) && partner != i {
+                targets[partner].partner = here[i].own;
             }
-            let (here, mut there) = (here[i], there[partner]);
-            if self.is(Plant::PartnerTarget) {
-                there.partner = here.own;
-            }
-            pairs::merge(settings, [input[i], input[partner]], [here, there], &mut rng)
+            passes::pair_merge(at, Assumed, note, reservoirs, &targets)
         })
     }
 
-    fn pair_targets(
-        &self,
-        pixels: Pixels<'_>,
-        pixel: UVec2,
-        lane: u32,
-        repetition: u32,
-        blind: bool,
-    ) -> PairTargets {
-        let (frame, surface) = (self.frame, self.surface(pixel));
-        let proposal = pairs::propose(frame, self.lights, surface, pixels, pixel, lane, repetition);
-        let visible = blind || proposal.is_certain() || self.sequence.world.trace(proposal.ray);
-        pairs::accept(proposal, visible)
+    fn shade(&self, rays: impl Visibility + Copy, reservoirs: &[StoredReservoir]) -> Vec<Vec3> {
+        let b = self.buffers;
+        let count = if self.is(Plant::Average) { self.constants.settings.reservoirs as f32 } else { 1.0 };
+        let shaded = |pixel: UVec2| {
+            let at = self.at(pixel, 0, 0);
+            let note = Falsifier { frame: self, at };
+            passes::shade(at, rays, note, b.lights, b.alias, b.gbuffer, reservoirs, Vec3::ZERO) * count
+        };
+        self.world.pixels().map(shaded).collect()
+    }
+}
+
+/// The occluders of the world, exactly; or what a planted error makes of them.
+#[derive(Clone, Copy)]
+struct Rays<'a> {
+    frame: &'a Frame<'a>,
+    /// Answered with yes.
+    assumed: Option<Question>,
+}
+
+impl Visibility for Rays<'_> {
+    const TRACES: bool = true;
+
+    fn sees(&mut self, question: Question, ray: ShadowRay, _: u32) -> bool {
+        let inverted = question == Question::Neighbor && self.frame.is(Plant::DoubtInverted);
+        self.assumed == Some(question) || self.frame.world.trace(ray) != inverted
     }
 
-    fn shade(&self, reservoirs: &[StoredReservoir]) -> Vec<Vec3> {
-        let known = self.frame.settings.visibility_is_known();
-        let world = self.sequence.world;
-        let shaded = |pixel: UVec2| {
-            let surface = self.surface(pixel);
-            let mut average = shading::Average::default();
-            for lane in 0..self.frame.settings.reservoirs {
-                let stored = reservoirs[reservoir_index(self.frame, pixel, lane) as usize];
-                let mut proposal = shading::propose(surface, self.lights, stored);
-                proposal.radiance *= self.planted_factor(surface, stored);
-                let visible = known || self.is(Plant::ShadowRay) || world.trace(proposal.ray);
-                average.add(proposal, visible);
+    fn nearest(&mut self, origin: Vec3, direction: Vec3) -> HitPayload {
+        self.frame.world.nearest(origin, direction, self.frame.is(Plant::FoundRay))
+    }
+}
+
+/// Plants errors in the steps of a body.
+#[derive(Clone, Copy)]
+struct Falsifier<'a> {
+    frame: &'a Frame<'a>,
+    at: At<'a>,
+}
+
+impl Falsifier<'_> {
+    fn surface(&self) -> Surface {
+        self.at.surface(&self.at.texel(self.frame.buffers.gbuffer))
+    }
+
+    fn lights(&self) -> LightTable<'_> {
+        let Buffers { lights, alias, .. } = self.frame.buffers;
+        self.at.light_table(lights, alias)
+    }
+
+    /// What the density of a BSDF candidate is wrong by.
+    fn found_factor(&self, candidate: &Candidate) -> f32 {
+        let Surface { reflectance, normal, wo, position, .. } = self.surface();
+        let incident = self.lights().incident(candidate.sample, position);
+        if self.frame.is(Plant::FoundSolidAngle) {
+            return 1.0 / incident.solid_angle.max(1e-6);
+        }
+        let probability = bsdf::specular_probability(&reflectance, normal.dot(wo));
+        let diffuse = normal.dot(incident.direction) / PI;
+        let density = bsdf::pdf(&reflectance, normal, wo, incident.direction).0;
+        let specular = (density - (1.0 - probability) * diffuse) / probability;
+        ((1.0 - probability) * specular + probability * diffuse) / density
+    }
+}
+
+impl Witness for Falsifier<'_> {
+    fn draws(&mut self, technique: Technique, candidate: &mut Candidate) {
+        let table = self.lights().pdf(candidate.sample.light).0;
+        let found = candidate.source_pdf.0 - table;
+        let density = match (self.frame.plant, technique) {
+            (Some(Plant::Balance), Technique::Bsdf) => found,
+            (Some(Plant::Balance), _) => table,
+            (Some(Plant::FoundSolidAngle | Plant::FoundMixture), Technique::Bsdf) => {
+                table + found * self.found_factor(candidate)
             }
-            let count = if self.is(Plant::Average) { self.frame.settings.reservoirs as f32 } else { 1.0 };
-            average.radiance() * count
+            _ => return,
         };
-        world.pixels().map(shaded).collect()
+        candidate.source_pdf = SourcePdf(density);
+    }
+
+    fn cross(&mut self, cross: &mut CrossProposal) {
+        let (targets, history) = (&mut cross.targets, &mut cross.neighbor);
+        match self.frame.plant {
+            Some(Plant::ForeignTarget) => targets.neighbor_at_neighbor = targets.neighbor_at_canonical,
+            Some(Plant::MisWeight) => {
+                // The canonical sample weighs all where the history could not have found it; the history's own weight ends at its
+                // share of the confidence, which is taken out.
+                targets.canonical_at_neighbor = 0.0;
+                targets.neighbor_at_neighbor = 1e30;
+                let fresh = self.frame.constants.settings.candidates as f32;
+                history.contribution_weight *= (fresh + history.confidence) / history.confidence;
+            }
+            _ => {}
+        }
     }
 
     /// Takes a term back out of the integrand.
-    fn planted_factor(&self, surface: &Surface, stored: StoredReservoir) -> f32 {
-        if stored.contribution_weight == 0.0 {
-            return 1.0;
+    fn shaded(&mut self, stored: StoredReservoir, shaded: &mut Contribution) {
+        if stored.contribution_weight == 0.0 || self.frame.plant.is_none() {
+            return;
         }
-        let incident = self.lights.incident(stored.sample, surface.position);
-        let light = &self.lights.lights.lights[stored.sample.light as usize];
+        let surface = self.surface();
+        let incident = self.lights().incident(stored.sample, surface.position);
+        let light = &self.frame.buffers.lights[stored.sample.light as usize];
         let finite = light.kind == kind::POINT || light.kind == kind::TRIANGLE;
-        match self.sequence.plant {
+        shaded.radiance *= match self.frame.plant {
             Some(Plant::Cosine) => 1.0 / surface.normal.dot(incident.direction).max(1e-3),
             Some(Plant::EmitterCosine) if light.kind == kind::TRIANGLE => {
                 1.0 / -incident.normal.dot(incident.direction).min(-1e-3)
             }
             Some(Plant::Distance) if finite => incident.distance * incident.distance,
             _ => 1.0,
-        }
+        };
     }
 }

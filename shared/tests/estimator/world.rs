@@ -4,12 +4,11 @@ use shared::alias_table::AliasEntry;
 use shared::camera::Camera;
 use shared::geometry::SurfacePoint;
 use shared::glam::{DMat3, DVec3, UVec2, Vec2, Vec3};
+use shared::interface::HitPayload;
 use shared::light::{Light, LightTable, Lights, UNTRACEABLE, build_alias_table, kind};
 use shared::material::Reflectance;
-use shared::motion::NO_LIGHT;
 use shared::shadow::ShadowRay;
 use shared::surface::{GBufferTexel, Surface};
-use std::f64::consts::{PI, TAU};
 
 /// Size of the environment maps.
 pub const SKY: UVec2 = UVec2::new(16, 8);
@@ -104,13 +103,14 @@ impl World {
 }
 
 impl World {
-    /// The light where a ray ends, in f64: the nearest triangle, from either side, or the sky; none behind the screen, which
-    /// `blind` rays pass. Lights hide one another from these rays
-    /// alone: use such as don't.
-    pub fn find(&self, origin: Vec3, direction: Vec3, blind: bool) -> u32 {
+    /// What a BSDF ray meets, in f64: the nearest triangle light, from either side, by its index as a primitive of instance 0,
+    /// which has lights, or of instance 1 without; or the screen, as the latter, which `blind` rays pass. Lights hide one another
+    /// from these rays alone: use such as don't.
+    pub fn nearest(&self, origin: Vec3, direction: Vec3, blind: bool) -> HitPayload {
+        let hit = |instance, primitive| HitPayload { hit: 1, instance, primitive, ..HitPayload::default() };
         let (x, d) = (origin.as_dvec3(), direction.as_dvec3());
         if !blind && !self.visible(x, x + d * 1e3) {
-            return NO_LIGHT;
+            return hit(1, 0);
         }
         let distance = |light: &Light| {
             let (e1, e2) = (light.edge1.as_dvec3(), light.edge2.as_dvec3());
@@ -118,21 +118,13 @@ impl World {
             let inside = solved.y >= 0.0 && solved.z >= 0.0 && solved.y + solved.z <= 1.0 && solved.x > 0.0;
             if inside { solved.x } else { f64::INFINITY }
         };
-        let sky = self.lights.iter().position(|light| light.kind == kind::ENVIRONMENT);
         let met = (0..self.lights.len()).filter(|&i| self.lights[i].kind == kind::TRIANGLE);
         let nearest = met.map(|i| (distance(&self.lights[i]), i)).min_by(|a, b| a.0.total_cmp(&b.0));
-        match (nearest, sky) {
-            (Some((t, light)), _) if t < f64::INFINITY => {
-                let known = self.lights[light].flags & UNTRACEABLE == 0;
-                if known { light as u32 } else { NO_LIGHT }
+        match nearest {
+            Some((t, light)) if t < f64::INFINITY => {
+                hit(u32::from(self.lights[light].flags & UNTRACEABLE != 0), light as u32)
             }
-            (_, Some(first)) => {
-                let u = (0.5 + d.z.atan2(d.x) / TAU).clamp(0.0, 1.0 - 1e-12);
-                let v = (d.y.acos() / PI).clamp(0.0, 1.0 - 1e-12);
-                let [column, row] = [u * f64::from(SKY.x), v * f64::from(SKY.y)].map(|x| x as u32);
-                first as u32 + row * SKY.x + column
-            }
-            _ => NO_LIGHT,
+            _ => HitPayload::default(),
         }
     }
 }

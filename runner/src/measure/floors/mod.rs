@@ -6,8 +6,6 @@ mod capture;
 pub use capture::Captured;
 
 use crate::error::Result;
-use crate::frame::pass::{BufferId, Pass};
-use crate::frame::passes::{floor_copy, floor_primary, floor_shadow};
 use crate::frame::renderer::{FrameOptions, MAX_TIMESTAMPS, Renderer};
 use crate::frame::schedule::{Primary, Work};
 use crate::measure::statistics::Times;
@@ -20,6 +18,8 @@ use serde::Serialize;
 use shared::camera::Camera;
 use shared::frame::Settings;
 use shared::interface::PassConstants;
+use shared::passes::Pass;
+use shared::resources::Resource;
 use shared::stored_ray::StoredRay;
 use shared::surface::GBufferTexel;
 use std::time::Instant;
@@ -76,13 +76,13 @@ pub fn capture(renderer: &mut Renderer, lights: &LightTable, frame: Frame) -> Re
     for _ in 0..HISTORY {
         renderer.render(frame.camera, &frame.options())?;
     }
-    capture::rays(renderer, lights, frame, |renderer, rays| hits(renderer, &floor_shadow::PASS, rays))
+    capture::rays(renderer, lights, frame, |renderer, rays| hits(renderer, Pass::roofline_shadow, rays))
 }
 
 impl Captured {
     /// The kernel that traces such rays.
-    fn kernel(&self) -> &'static Pass {
-        if self.pass == "gbuffer" { &floor_primary::PASS } else { &floor_shadow::PASS }
+    fn kernel(&self) -> Pass {
+        if self.pass == Pass::gbuffer.stem() { Pass::roofline_primary } else { Pass::roofline_shadow }
     }
 
     /// Of each ray, traced now, 1 if it met anything.
@@ -97,7 +97,7 @@ pub fn measure(renderer: &mut Renderer, lights: &LightTable, frame: Frame, frame
     let mut bench = Bench { renderer, frames, steady: true };
     let rays = captured.iter().map(|captured| bench.rays(captured)).collect::<Result<_>>()?;
     let copied = 2 * u64::from(bench.renderer.size().element_product()) * size_of::<GBufferTexel>() as u64;
-    let copy_ms = bench.time_pass(&floor_copy::PASS)?;
+    let copy_ms = bench.time_pass(Pass::roofline_copy)?;
     let mut times = PassTimes::default();
     // The copy has overwritten the past.
     bench.renderer.restart();
@@ -131,10 +131,10 @@ impl Frame {
 }
 
 /// `pass` alone; gives its ms.
-fn launch(renderer: &mut Renderer, pass: &'static Pass, timestamps: &mut Timestamps) -> Result<f64> {
+fn launch(renderer: &mut Renderer, pass: Pass, timestamps: &mut Timestamps) -> Result<f64> {
     let (recorder, history) = renderer.parts();
     let (device, start) = (recorder.device().clone(), Instant::now());
-    device.submit_once(pass.stem, |cmd| {
+    device.submit_once(pass.stem(), |cmd| {
         timestamps.begin(cmd);
         let passes = [(pass, PassConstants::default())];
         recorder.record_looks(cmd, history, None, &passes, timestamps)
@@ -144,12 +144,12 @@ fn launch(renderer: &mut Renderer, pass: &'static Pass, timestamps: &mut Timesta
 }
 
 /// Of each ray, 1 if it met anything; the rays stay on the device.
-fn hits(renderer: &mut Renderer, pass: &'static Pass, rays: &[StoredRay]) -> Result<Vec<u32>> {
+fn hits(renderer: &mut Renderer, pass: Pass, rays: &[StoredRay]) -> Result<Vec<u32>> {
     let (recorder, history) = renderer.parts();
     history.set_rays(recorder.device(), rays)?;
     let mut timestamps = Timestamps::new(recorder.device(), MAX_TIMESTAMPS)?;
     launch(renderer, pass, &mut timestamps)?;
-    renderer.read(BufferId::Hits)
+    renderer.read(Resource::hits)
 }
 
 struct Bench<'a> {
@@ -167,7 +167,7 @@ impl Bench<'_> {
     }
 
     /// ms of `pass` alone, warm.
-    fn time_pass(&mut self, pass: &'static Pass) -> Result<Times> {
+    fn time_pass(&mut self, pass: Pass) -> Result<Times> {
         let (recorder, _) = self.renderer.parts();
         let mut timestamps = Timestamps::new(recorder.device(), MAX_TIMESTAMPS)?;
         self.settle(|renderer| launch(renderer, pass, &mut timestamps))?;

@@ -2,10 +2,10 @@
 
 use super::verdict::{Arm, arms, error_at};
 use super::{Group, passes, significant};
-use crate::frame::passes::ALL;
 use crate::measure::statistics::Interval;
 use crate::measure::sweep::Row;
 use crate::measure::sweep::point::{Judged, Measurement};
+use shared::passes::Pass;
 
 /// The first row is the header.
 pub type Table = Vec<Vec<String>>;
@@ -56,7 +56,7 @@ fn pass_ms(m: &Measurement, stem: &str) -> Option<f64> {
     m.passes.iter().find(|(name, _)| name == stem).map(|(_, t)| t.median)
 }
 
-/// `temporal` of `temporal_unbiased`: variants of a pass, of which a frame has one.
+/// `temporal` of `temporal_traced`: variants of a pass, of which a frame has one.
 fn family(stem: &str) -> &str {
     stem.split('_').next().unwrap_or(stem)
 }
@@ -68,7 +68,7 @@ fn family_ms(m: &Measurement, name: &str) -> Option<f64> {
 /// All points in one table: what is changed of the first one's command, the passes, the frame, and the frame over the first.
 pub fn bench(rows: &[Row]) -> Table {
     let mut families: Vec<&str> = Vec::new();
-    for pass in ALL.iter().map(|pass| family(pass.stem)) {
+    for pass in Pass::ALL.iter().map(|pass| family(pass.stem())) {
         let used = rows.iter().any(|r| r.measured.as_ref().is_some_and(|m| family_ms(m, pass).is_some()));
         if used && !families.contains(&pass) {
             families.push(pass);

@@ -15,8 +15,6 @@ use super::views::{Split, View};
 use crate::error::Result;
 use crate::exposure;
 use crate::frame::history::History;
-use crate::frame::pass::BufferId;
-use crate::frame::passes;
 use crate::frame::recorder::{FrameOptions, Recorder};
 use crate::frame::renderer::MAX_TIMESTAMPS;
 use crate::frame::schedule::{Primary, Work};
@@ -30,6 +28,8 @@ use glam::{UVec2, Vec3};
 use shared::camera::Camera;
 use shared::frame::Settings;
 use shared::interface::PassConstants;
+use shared::passes::Pass;
+use shared::resources::Resource;
 use side::Side;
 
 /// The scene and what its frames need. Nothing may be in flight when it is dropped or fitted.
@@ -312,7 +312,7 @@ impl Frames {
         let compared = state.error && reference.as_ref().is_some_and(|reference| reference.count > 0);
         if compared {
             let constants = PassConstants { count: left.count, ..PassConstants::default() };
-            looks.push((&passes::statistics::PASS, constants));
+            looks.push((Pass::statistics, constants));
         }
         if !looks.is_empty() {
             recorder.record_looks(cmd, &left.history, truth, &looks, &mut slot.left)?;
@@ -330,13 +330,13 @@ impl Frames {
     }
 
     fn shown(&self, state: &State) -> Shown<'_> {
-        let truth = self.reference.as_ref().map(|reference| reference.history.target(BufferId::Display));
-        let left = self.left.history.target(BufferId::Display);
+        let truth = self.reference.as_ref().map(|reference| reference.history.target(Resource::display));
+        let left = self.left.history.target(Resource::display);
         Shown {
             left: truth.filter(|_| state.view == View::Reference).unwrap_or(left),
             right: match state.split {
                 Split::Off => None,
-                Split::Settings => self.right.as_ref().map(|side| side.history.target(BufferId::Display)),
+                Split::Settings => self.right.as_ref().map(|side| side.history.target(Resource::display)),
                 Split::Reference => truth,
             },
         }
@@ -352,9 +352,9 @@ impl Frames {
     pub fn radiance(&self, state: &State) -> Result<Vec<Vec3>> {
         match &self.reference {
             Some(reference) if state.view == View::Reference && reference.count > 0 => {
-                reference.history.read(BufferId::Mean)
+                reference.history.read(Resource::mean)
             }
-            _ if state.accumulate && self.left.count > 0 => self.left.history.read(BufferId::Mean),
+            _ if state.accumulate && self.left.count > 0 => self.left.history.read(Resource::mean),
             _ => self.left.history.radiance(),
         }
     }

@@ -2,14 +2,13 @@
 
 use crate::error::Result;
 use crate::frame::history::History;
-use crate::frame::pass::Pass;
-use crate::frame::passes;
 use crate::settings_file::SettingsFile;
 use crate::viewer::state::State;
 use crate::viewer::views::View;
 use crate::vulkan::Device;
 use glam::UVec2;
 use shared::interface::PassConstants;
+use shared::passes::Pass;
 use shared::view::kind;
 
 /// Frames of one settings.
@@ -48,16 +47,16 @@ impl Side {
     }
 
     /// Passes after the frame: its mean, and what is shown instead of it.
-    pub fn looks(&mut self, state: &State, radius: f32) -> Vec<(&'static Pass, PassConstants)> {
+    pub fn looks(&mut self, state: &State, radius: f32) -> Vec<(Pass, PassConstants)> {
         let mut looks = Vec::new();
         self.count = if state.accumulate { self.count + 1 } else { 0 };
         let constants = PassConstants { count: self.count, scale: radius, ..PassConstants::default() };
         if state.accumulate {
-            looks.push((&passes::accumulate::PASS, constants));
+            looks.push((Pass::accumulate, constants));
         }
         let mean = (state.accumulate && state.view == View::Final).then_some(kind::MEAN);
         if let Some(view) = state.view.kind().or(mean) {
-            looks.push((&passes::view::PASS, PassConstants { view, ..constants }));
+            looks.push((Pass::view, PassConstants { view, ..constants }));
         }
         looks
     }

@@ -1,5 +1,6 @@
 use super::*;
 use crate::surface::GBufferTexel;
+use bytemuck::Zeroable;
 use glam::{UVec2, Vec3};
 
 fn frame(size: UVec2, index: u32, radius: f32) -> FrameConstants {

@@ -1,0 +1,183 @@
+//! What the table of passes says, for the host.
+
+use super::pair_targets::PairTargets;
+use super::{At, Visibility, Witness};
+use crate::reservoir::StoredReservoir;
+use crate::resources::{Binding, Buffers, Extent};
+use glam::Vec3;
+
+/// How a pass runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage {
+    Compute,
+    /// A ray generation shader.
+    RayTracing(Rays),
+    /// Vertex and fragment shaders draw the scene into an image, which is copied to the pass's buffer.
+    Raster,
+}
+
+/// Which hit and miss shaders a ray-tracing pass needs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rays {
+    Primary,
+    Shadow,
+    /// Shadow rays, and BSDF rays where the scene has lights that rays can find.
+    Both,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Access {
+    Read,
+    Write,
+    ReadWrite,
+}
+
+impl Access {
+    pub fn writes(self) -> bool {
+        self != Access::Read
+    }
+}
+
+macro_rules! stage {
+    (compute) => {
+        Stage::Compute
+    };
+    (known) => {
+        Stage::Compute
+    };
+    (drawn) => {
+        Stage::Raster
+    };
+    (primary) => {
+        Stage::RayTracing(Rays::Primary)
+    };
+    (traced shadow nearest) => {
+        Stage::RayTracing(Rays::Both)
+    };
+    (traced shadow $($previous:ident)?) => {
+        Stage::RayTracing(Rays::Shadow)
+    };
+}
+
+/// What a body reads; images are no buffers.
+macro_rules! uses {
+    ([$($done:tt)*]) => { &[$($done)*] };
+    ([$($done:tt)*] textures $($rest:tt)*) => { uses!([$($done)*] $($rest)*) };
+    ([$($done:tt)*] $name:ident $($rest:tt)*) => { uses!([$($done)* (Binding::$name, Access::Read),] $($rest)*) };
+    ([$($done:tt)*] ($access:ident $name:ident) $($rest:tt)*) => {
+        uses!([$($done)* (Binding::$name, Access::$access),] $($rest)*)
+    };
+}
+
+macro_rules! declare {
+    ($(($body:ident $extent:ident { $($stage:ident($($rays:ident)*) $stem:ident),* }
+        [$($read:ident)*] [$($update:ident)*] [$($write:ident)*]))*) => {
+        /// A pass's body.
+        #[allow(non_camel_case_types, missing_docs)]
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub enum Body { $($body),* }
+
+        /// A pass: a body with one of its entry points.
+        #[allow(non_camel_case_types, missing_docs)]
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+        pub enum Pass { $($($stem),*),* }
+
+        impl Pass {
+            pub const ALL: &'static [Pass] = &[$($(Pass::$stem),*),*];
+
+            /// Names the shader file, the entry point, the debug label, the timestamp and the column of reports.
+            pub const fn stem(self) -> &'static str {
+                match self { $($(Pass::$stem => stringify!($stem)),*),* }
+            }
+
+            pub const fn body(self) -> Body {
+                match self { $($(Pass::$stem => Body::$body),*),* }
+            }
+
+            pub const fn stage(self) -> Stage {
+                match self { $($(Pass::$stem => stage!($stage $($rays)*)),*),* }
+            }
+
+            /// What it launches a thread for each of.
+            pub const fn extent(self) -> Extent {
+                match self.body() { $(Body::$body => Extent::$extent),* }
+            }
+
+            /// Its buffers.
+            pub const fn uses(self) -> &'static [(Binding, Access)] {
+                match self.body() {
+                    $(Body::$body => uses!([] $($read)* $((ReadWrite $update))* $((Write $write))*)),*
+                }
+            }
+        }
+    };
+}
+
+crate::passes!(declare);
+
+/// What a body of the estimator gives.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Output {
+    Reservoir(StoredReservoir),
+    Targets(PairTargets),
+    Radiance(Vec3),
+    Hit(u32),
+}
+
+impl From<StoredReservoir> for Output {
+    fn from(reservoir: StoredReservoir) -> Self {
+        Output::Reservoir(reservoir)
+    }
+}
+
+impl From<PairTargets> for Output {
+    fn from(targets: PairTargets) -> Self {
+        Output::Targets(targets)
+    }
+}
+
+impl From<Vec3> for Output {
+    fn from(radiance: Vec3) -> Self {
+        Output::Radiance(radiance)
+    }
+}
+
+impl From<u32> for Output {
+    fn from(hit: u32) -> Self {
+        Output::Hit(hit)
+    }
+}
+
+macro_rules! runs {
+    ($(($body:ident $extent:ident { $stage:ident $rays:tt $stem:ident $($more:tt)* } $read:tt $update:tt $write:tt))*) => {
+        /// Runs one thread of a body that rays decide over, as the GPU's entry points do, from `buffers`; none of a body that
+        /// asks for no rays. Elements that it updates are read from `buffers` too.
+        #[allow(unused_variables)]
+        pub fn run(
+            body: Body,
+            at: At<'_>,
+            rays: impl Visibility,
+            note: impl Witness,
+            buffers: &Buffers<'_>,
+        ) -> Option<Output> {
+            $(run_of!($stage $body $extent $read $update, body, at, rays, note, buffers);)*
+            None
+        }
+    };
+}
+
+macro_rules! run_of {
+    (known $($rest:tt)*) => { run_of!(asks $($rest)*) };
+    (traced $($rest:tt)*) => { run_of!(asks $($rest)*) };
+    (asks $name:ident $extent:ident [$($read:ident)*] [$($update:ident)*],
+        $body:ident, $at:ident, $rays:ident, $note:ident, $buffers:ident) => {
+        if $body == Body::$name {
+            let index = $at.index(Extent::$extent);
+            let result = super::$name($at, $rays, $note, $($buffers.$read,)* $($buffers.$update[index],)*);
+            return Some(result.into());
+        }
+    };
+    ($stage:ident $name:ident $extent:ident $read:tt $update:tt, $($rest:tt)*) => {};
+}
+
+crate::passes!(runs);

@@ -1,0 +1,85 @@
+//! Fresh candidates for a reservoir, from the lights and along the reflectance: streaming RIS (Bitterli et al. 2020, Alg. 3); and
+//! visibility reuse (Alg. 5).
+
+use super::{At, Question, Technique, Visibility, Witness, variant};
+use crate::alias_table::AliasEntry;
+use crate::alpha::SURE_HITS_ONLY;
+use crate::environment::EnvironmentTexel;
+use crate::geometry::InstanceGeometry;
+use crate::light::Light;
+use crate::light::found::Emitters;
+use crate::light::tile::{TileEntry, Tiles, tile_of};
+use crate::resampling::initial::{
+    BsdfRay, Fresh, Techniques, candidate, candidate_from_tile, numbers_from_tile,
+};
+use crate::reservoir::StoredReservoir;
+use crate::rng::Stream;
+use crate::surface::GBufferTexel;
+use glam::UVec4;
+
+#[allow(clippy::too_many_arguments)]
+pub fn initial(
+    at: At<'_>,
+    mut rays: impl Visibility,
+    mut note: impl Witness,
+    lights: &[Light],
+    alias: &[AliasEntry],
+    instances: &[InstanceGeometry],
+    environment: &[EnvironmentTexel],
+    gbuffer: &[GBufferTexel],
+    tile_entries: &[TileEntry],
+    tile_points: &[u32],
+) -> StoredReservoir {
+    let texel = at.texel(gbuffer);
+    if texel.is_empty() {
+        return StoredReservoir::default();
+    }
+    let surface = at.surface(&texel);
+    let table = at.light_table(lights, alias);
+    let settings = &at.frame.settings;
+    let techniques = Techniques::new(settings, at.features);
+    let mut rng = at.rng(Stream::Initial);
+    let mut fresh = Fresh::default();
+    if at.is(variant::TILED) {
+        let tiles = Tiles { entries: tile_entries, points: tile_points };
+        let tile = tile_of(at.frame, at.pixel, at.lane);
+        note.tile(tile);
+        let mut random = UVec4::ZERO;
+        for i in 0..techniques.lights {
+            random = numbers_from_tile(i, random, &mut rng);
+            let mut drawn = candidate_from_tile(&surface, table, techniques, tiles, tile, random);
+            note.draws(Technique::Tile, &mut drawn);
+            let stays = fresh.add(drawn);
+            note.candidate(Technique::Tile, &drawn, &fresh, stays);
+        }
+        fresh = fresh.looked_up(tiles);
+    } else {
+        for _ in 0..techniques.lights {
+            let mut drawn = candidate(&surface, table, techniques, &mut rng);
+            note.draws(Technique::Table, &mut drawn);
+            let stays = fresh.add(drawn);
+            note.candidate(Technique::Table, &drawn, &fresh, stays);
+        }
+    }
+    let emitters = Emitters::new(at.frame, at.features, instances, environment);
+    // Around a trace, see `Visibility`.
+    let mut i = 0;
+    while i < techniques.bsdf {
+        let ray = BsdfRay::new(&surface, &mut rng);
+        if ray.is_worth_tracing(&surface) {
+            let hit = rays.nearest(ray.origin, ray.direction);
+            let light = emitters.light_at(hit, ray.direction);
+            note.bsdf_ray(&ray, hit, light);
+            let mut found = ray.candidate(&surface, table, techniques, light);
+            note.draws(Technique::Bsdf, &mut found);
+            let stays = fresh.add_found(found);
+            note.candidate(Technique::Bsdf, &found, &fresh, stays);
+        }
+        i += 1;
+    }
+    let survivor = fresh.finish(&surface, table);
+    let visible = settings.visibility_reuse == 0
+        || survivor.is_certain()
+        || rays.sees(Question::Survivor, survivor.ray, SURE_HITS_ONLY);
+    survivor.kept(visible)
+}

@@ -1,0 +1,152 @@
+//! Passes of a frame: the whole body of each, run by the GPU's entry points, by tests, by `explain` and by the roofline.
+//!
+//! A body computes what one thread writes, from the buffers that the pass reads: values in, values out. What needs a ray is asked of
+//! a [`Visibility`]; every candidate, target, weight and choice is told to a [`Witness`], which is nothing on the GPU.
+
+pub mod accumulate;
+#[cfg(not(target_arch = "spirv"))]
+mod declared;
+pub mod initial;
+pub mod pair_merge;
+pub mod pair_targets;
+pub mod presample;
+pub mod reference;
+pub mod roofline;
+pub mod shade;
+pub mod spatial;
+pub mod statistics;
+mod table;
+pub mod temporal;
+pub mod tonemap;
+pub mod view;
+mod visibility;
+mod witness;
+
+pub use accumulate::accumulate;
+#[cfg(not(target_arch = "spirv"))]
+pub use declared::{Access, Body, Output, Pass, Rays, Stage, run};
+pub use initial::initial;
+pub use pair_merge::pair_merge;
+pub use pair_targets::pair_targets;
+pub use presample::presample;
+pub use reference::reference;
+pub use roofline::{roofline_copy, roofline_shadow};
+pub use shade::shade;
+pub use spatial::spatial;
+pub use statistics::statistics;
+pub use temporal::temporal;
+pub use tonemap::tonemap;
+pub use view::view;
+pub use visibility::{Assumed, Question, Visibility};
+pub use witness::{Silent, Technique, Witness};
+
+use crate::alias_table::AliasEntry;
+use crate::frame::FrameConstants;
+use crate::interface::PassConstants;
+use crate::light::tile::{TILE_SIZE, TILES};
+use crate::light::{Light, LightTable, Lights};
+use crate::resampling::reservoir_index;
+use crate::resources::Extent;
+use crate::rng::{Rng, Stream};
+use crate::statistics::BLOCK;
+use crate::surface::{GBufferTexel, Surface};
+use glam::{UVec2, UVec3};
+
+/// Bits of a pass's specialisation: variants of one body that a pipeline is compiled for.
+pub mod variant {
+    /// Reuse is weighed by pairwise MIS, not by 1/M.
+    pub const UNBIASED: u32 = 1;
+    /// Something has moved since the previous frame: set 2 is read.
+    pub const MOVING: u32 = 2;
+    /// Candidates come from light tiles.
+    pub const TILED: u32 = 4;
+}
+
+/// One thread of a pass, and what is the same for all of them.
+#[derive(Clone, Copy)]
+pub struct At<'a> {
+    pub frame: &'a FrameConstants,
+    pub constants: PassConstants,
+    /// [`crate::frame::features`] of the scene.
+    pub features: u32,
+    /// [`variant`]
+    pub variant: u32,
+    /// Of the launch: the pixel, of passes that cover pixels.
+    pub pixel: UVec2,
+    /// Which of the pixel's reservoirs.
+    pub lane: u32,
+}
+
+impl<'a> At<'a> {
+    pub fn new(
+        frame: &'a FrameConstants,
+        constants: PassConstants,
+        features: u32,
+        variant: u32,
+        id: UVec3,
+    ) -> Self {
+        At { frame, constants, features, variant, pixel: id.truncate(), lane: id.z }
+    }
+
+    pub fn is(&self, variant: u32) -> bool {
+        self.variant & variant != 0
+    }
+
+    /// Threads in x and y of a pass over `extent`.
+    pub fn threads(&self, extent: Extent) -> UVec2 {
+        threads(extent, self.frame.size)
+    }
+
+    /// Place of this thread's elements in buffers of `extent`.
+    pub fn index(&self, extent: Extent) -> usize {
+        match extent {
+            Extent::Reservoirs => reservoir_index(self.frame, self.pixel, self.lane) as usize,
+            _ => (self.pixel.y * self.threads(extent).x + self.pixel.x) as usize,
+        }
+    }
+
+    /// Random numbers of this pixel and reservoir.
+    pub fn rng(&self, stream: Stream) -> Rng {
+        self.lane_rng(stream, self.lane)
+    }
+
+    /// The same of a pass that a frame repeats.
+    pub fn repeated_rng(&self, stream: Stream) -> Rng {
+        self.lane_rng(stream, self.repetition())
+    }
+
+    pub fn lane_rng(&self, stream: Stream, lane: u32) -> Rng {
+        Rng::new(self.pixel, self.frame.index, self.frame.seed, stream, lane)
+    }
+
+    /// Number of a repeated pass: of its reservoir and iteration.
+    pub fn repetition(&self) -> u32 {
+        self.lane + self.frame.settings.reservoirs * self.constants.iteration
+    }
+
+    /// What this pixel sees; its texel must not be empty.
+    pub fn surface(&self, texel: &GBufferTexel) -> Surface {
+        texel.unpack(&self.frame.camera, self.pixel, self.frame.size)
+    }
+
+    pub fn texel(&self, gbuffer: &[GBufferTexel]) -> GBufferTexel {
+        gbuffer[self.frame.pixel_index(self.pixel) as usize]
+    }
+
+    pub fn lights<'b>(&self, lights: &'b [Light]) -> Lights<'b> {
+        Lights { lights, features: self.features }
+    }
+
+    pub fn light_table<'b>(&self, lights: &'b [Light], alias: &'b [AliasEntry]) -> LightTable<'b> {
+        LightTable { lights: self.lights(lights), alias }
+    }
+}
+
+/// Threads in x and y of a pass over `extent` in a picture of `size`.
+pub fn threads(extent: Extent, size: UVec2) -> UVec2 {
+    match extent {
+        Extent::Scene | Extent::Pixels | Extent::Reservoirs => size,
+        Extent::Tiles => UVec2::new(TILE_SIZE, TILES),
+        Extent::Blocks => UVec2::new(size.x.div_ceil(BLOCK), size.y.div_ceil(BLOCK)),
+    }
+}

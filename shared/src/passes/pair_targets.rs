@@ -1,0 +1,57 @@
+//! What each pixel makes of its partner's sample, with at most one ray: the first half of unbiased spatial reuse in pairs.
+
+use super::{At, Question, Visibility, Witness};
+use crate::alias_table::AliasEntry;
+use crate::alpha::SURE_HITS_ONLY;
+use crate::light::Light;
+use crate::resampling::pairs::similar_partner;
+use crate::resampling::{reservoir_index, target_of};
+use crate::reservoir::StoredReservoir;
+use crate::shadow::ShadowRay;
+use crate::surface::GBufferTexel;
+use crate::target::target_function;
+use bytemuck::{Pod, Zeroable};
+
+/// What the surface of pixel i makes of its own sample and of that of its partner j. 12 bytes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct PairTargets {
+    /// p̂_i(y_i).
+    pub own: f32,
+    /// p̂_i(y_j); 0 where a ray found y_j hidden from pixel i.
+    pub partner: f32,
+    /// Place of the partner's reservoir; its own without a partner.
+    pub index: u32,
+}
+
+pub fn pair_targets(
+    at: At<'_>,
+    mut rays: impl Visibility,
+    mut note: impl Witness,
+    lights: &[Light],
+    alias: &[AliasEntry],
+    gbuffer: &[GBufferTexel],
+    reservoirs: &[StoredReservoir],
+) -> PairTargets {
+    let frame = at.frame;
+    let index = reservoir_index(frame, at.pixel, at.lane);
+    let partner = similar_partner(frame, gbuffer, at.pixel, at.repetition());
+    note.place(partner, true);
+    let Some(place) = partner else {
+        return PairTargets { index, ..PairTargets::default() };
+    };
+    let surface = at.surface(&at.texel(gbuffer));
+    let table = at.light_table(lights, alias);
+    let own = reservoirs[index as usize];
+    let index = reservoir_index(frame, place, at.lane);
+    let other = reservoirs[index as usize];
+    let incident = table.incident(other.sample, surface.position);
+    let holds_one = other.contribution_weight > 0.0;
+    let partner = if holds_one { target_function(&surface, &incident) } else { 0.0 };
+    // Both hold the same sample, and so both have seen it.
+    let is_certain = own.shares_sample_with(other) || partner == 0.0;
+    let visible = is_certain
+        || !frame.settings.visibility_is_known()
+        || rays.sees(Question::Partner, ShadowRay::new(&surface, &incident), SURE_HITS_ONLY);
+    PairTargets { own: target_of(&surface, table, own), partner: if visible { partner } else { 0.0 }, index }
+}

@@ -1,0 +1,72 @@
+//! Merges the reservoirs of neighboring pixels: by 1/M (Bitterli et al. 2020, Alg. 4), or by pairwise MIS with up to one ray from a
+//! neighbor to the canonical sample and one from this pixel to the survivor.
+
+use super::{At, Question, Visibility, Witness, variant};
+use crate::alias_table::AliasEntry;
+use crate::alpha::SURE_HITS_ONLY;
+use crate::light::Light;
+use crate::resampling::spatial::{DoubtedMerge, confidence_of_neighbors, next_neighbor};
+use crate::resampling::{CrossProposal, Pixels, Survivor, UniformMerge, reservoir_index, target_of};
+use crate::reservoir::StoredReservoir;
+use crate::rng::Stream;
+use crate::surface::GBufferTexel;
+
+#[allow(clippy::too_many_arguments)]
+pub fn spatial(
+    at: At<'_>,
+    mut rays: impl Visibility,
+    mut note: impl Witness,
+    lights: &[Light],
+    alias: &[AliasEntry],
+    gbuffer: &[GBufferTexel],
+    reservoirs: &[StoredReservoir],
+) -> StoredReservoir {
+    let (frame, pixel) = (at.frame, at.pixel);
+    let settings = &frame.settings;
+    let texel = at.texel(gbuffer);
+    if texel.is_empty() {
+        return StoredReservoir::default();
+    }
+    let surface = at.surface(&texel);
+    let table = at.light_table(lights, alias);
+    let pixels = Pixels { gbuffer, reservoirs };
+    let mut rng = at.repeated_rng(Stream::Spatial);
+    let canonical = reservoirs[reservoir_index(frame, pixel, at.lane) as usize];
+    let target = target_of(&surface, table, canonical);
+    if !at.is(variant::UNBIASED) {
+        let mut merge = UniformMerge::default();
+        note.merged_canonical(canonical, target, merge.add(canonical, target, rng.next_f32()));
+        for _ in 0..settings.neighbors {
+            let (place, [u, _]) = next_neighbor(frame, &surface, gbuffer, pixel, &mut rng, &mut note);
+            if let Some(place) = place {
+                let neighbor = reservoirs[reservoir_index(frame, place, at.lane) as usize];
+                let target = target_of(&surface, table, neighbor);
+                note.merged(neighbor, target, merge.add(neighbor, target, u));
+            }
+        }
+        return merge.finish();
+    }
+    let others = confidence_of_neighbors(frame, &surface, pixels, pixel, at.lane, rng);
+    let mut merge = DoubtedMerge::new(settings, canonical, target, others);
+    for _ in 0..settings.neighbors {
+        let (place, [u, v]) = next_neighbor(frame, &surface, gbuffer, pixel, &mut rng, &mut note);
+        if let Some(place) = place {
+            let neighbor = reservoirs[reservoir_index(frame, place, at.lane) as usize];
+            let texel = gbuffer[frame.pixel_index(place) as usize];
+            let there = texel.unpack(&frame.camera, place, frame.size);
+            let mut cross = CrossProposal::new(table, &surface, canonical, &there, neighbor);
+            note.cross(&mut cross);
+            let added = merge.add(cross, u, v);
+            note.merged(neighbor, cross.targets.neighbor_at_canonical, added.weighed);
+            note.doubt(added.doubt, added.asked);
+        }
+    }
+    let asks = settings.visibility_is_known();
+    let seen = !asks || merge.is_certain() || rays.sees(Question::Neighbor, merge.ray, SURE_HITS_ONLY);
+    let mut merge = merge.resolved(seen);
+    note.merged_canonical(canonical, target, merge.add_canonical(rng.next_f32()));
+    let survivor = Survivor::merged(&surface, table, canonical, merge.finish());
+    let visible =
+        !asks || survivor.is_certain() || rays.sees(Question::Survivor, survivor.ray, SURE_HITS_ONLY);
+    survivor.kept(visible)
+}

@@ -1,0 +1,57 @@
+//! Passes, a line each: what its body is called, what it covers, its entry points, and the buffers that it reads and writes. All else
+//! follows: entry points, declarations on the host, barriers, labels, timestamps, columns of reports.
+
+/// The table, handed to the macro `$use`. A line: the body, a function of that name in [`crate::passes`] (or in the `shaders`
+/// crate where it needs images); its extent; its entry points; and bindings of [`crate::resources!`], in the order of the body's
+/// arguments: those that it reads anywhere, those whose own element it gets and gives back, and those whose own element it gives.
+///
+/// | entry point | arguments of the body before the buffers |
+/// |---|---|
+/// | `compute` | its [`crate::passes::At`] |
+/// | `known` | that, and no ray: [`crate::passes::Assumed`] answers |
+/// | `traced(..)` | that, and the hardware, by shadow rays; `nearest`: also by BSDF rays, `previous`: also in the previous frame |
+/// | `primary` | that, and the hardware, by rays from the eye |
+/// | `drawn` | none: vertex and fragment shaders of their own |
+#[macro_export]
+macro_rules! passes {
+    ($use:ident) => {
+        $use! {
+            (gbuffer Pixels { primary() gbuffer }
+                [instances positions attributes indices materials second_uvs environment textures] [] [gbuffer radiance])
+            (visibility Pixels { drawn() visibility }
+                [] [] [visibility])
+            (gbuffer_raster Pixels { compute() gbuffer_raster }
+                [instances positions attributes indices materials second_uvs environment textures visibility] [] [gbuffer radiance])
+            (presample Tiles { compute() presample }
+                [lights alias] [] [tile_entries tile_points])
+            (initial Reservoirs { traced(shadow nearest) initial }
+                [lights alias instances environment gbuffer tile_entries tile_points] [] [merged])
+            (temporal Reservoirs { known() temporal, traced(shadow previous) temporal_traced }
+                [lights alias gbuffer previous_gbuffer history previous_lights motions previous_to_current current_to_previous] [merged] [])
+            (spatial Reservoirs { known() spatial, traced(shadow) spatial_traced }
+                [lights alias gbuffer reservoirs] [] [merged])
+            (pair_targets Reservoirs { traced(shadow) pair_targets }
+                [lights alias gbuffer reservoirs] [] [pair_targets])
+            (pair_merge Reservoirs { known() pair_merge }
+                [reservoirs pair_targets] [] [merged])
+            (shade Pixels { known() shade, traced(shadow) shade_traced }
+                [lights alias gbuffer reservoirs] [radiance] [])
+            (reference Pixels { traced(shadow) reference }
+                [lights gbuffer] [radiance] [])
+            (tonemap Pixels { compute() tonemap }
+                [radiance] [] [display])
+            (accumulate Pixels { compute() accumulate }
+                [radiance] [mean] [])
+            (view Pixels { compute() view }
+                [instances materials lights gbuffer reservoirs radiance mean reference] [] [display])
+            (statistics Blocks { compute() statistics }
+                [radiance mean reference] [] [statistics])
+            (roofline_primary Pixels { primary() roofline_primary }
+                [rays] [] [hits])
+            (roofline_shadow Pixels { traced(shadow) roofline_shadow }
+                [rays] [] [hits])
+            (roofline_copy Pixels { compute() roofline_copy }
+                [gbuffer] [] [previous_gbuffer])
+        }
+    };
+}

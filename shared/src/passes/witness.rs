@@ -1,0 +1,54 @@
+//! Who hears what a pass does.
+
+use crate::interface::HitPayload;
+use crate::resampling::CrossProposal;
+use crate::resampling::initial::{BsdfRay, Candidate, Fresh};
+use crate::resampling::pairwise::Weighed;
+use crate::reservoir::StoredReservoir;
+use crate::shading::Contribution;
+use glam::UVec2;
+
+/// How a candidate was drawn.
+#[repr(u32)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Technique {
+    /// From the alias table over all lights.
+    Table,
+    /// From a light tile.
+    Tile,
+    /// By a BSDF ray.
+    Bsdf,
+}
+
+/// Hears the steps of a body, in their order. What comes as `&mut` a test may falsify, to see that the error is noticed.
+/// All methods do nothing unless they are written: on the GPU nothing is left of them.
+pub trait Witness {
+    /// Before a candidate competes.
+    fn draws(&mut self, _technique: Technique, _candidate: &mut Candidate) {}
+    /// After it has; `fresh` is the reservoir with it.
+    fn candidate(&mut self, _technique: Technique, _candidate: &Candidate, _fresh: &Fresh, _stays: bool) {}
+    /// The tile that candidates come from.
+    fn tile(&mut self, _tile: u32) {}
+    /// A BSDF ray, what it met, and the light there.
+    fn bsdf_ray(&mut self, _ray: &BsdfRay, _hit: HitPayload, _light: u32) {}
+    /// The pixel whose reservoir is about to be merged, none outside the image; and whether its surface is similar.
+    fn place(&mut self, _place: Option<UVec2>, _similar: bool) {}
+    /// Before the targets of a merge are used.
+    fn cross(&mut self, _cross: &mut CrossProposal) {}
+    /// A reservoir has been merged, the other pixel's.
+    fn merged(&mut self, _reservoir: StoredReservoir, _target: f32, _weighed: Weighed) {}
+    /// The same of the pixel's own.
+    fn merged_canonical(&mut self, _reservoir: StoredReservoir, _target: f32, _weighed: Weighed) {}
+    /// What the canonical MIS weight gains if the last neighbor does not see the canonical sample, and whether it answers for all.
+    fn doubt(&mut self, _doubt: f32, _asked: bool) {}
+    /// What a reservoir contributes if its sample is visible.
+    fn shaded(&mut self, _reservoir: StoredReservoir, _shaded: &mut Contribution) {}
+    /// Whether it was.
+    fn lit(&mut self, _shaded: &Contribution, _visible: bool) {}
+}
+
+/// Hears nothing.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Silent;
+
+impl Witness for Silent {}
