@@ -8,6 +8,7 @@ use shared::passes::threads;
 use shared::resources::{Extent, Resource};
 use shared::stored_ray::StoredRay;
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 
 /// One copy of a buffer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -50,9 +51,8 @@ impl Targets {
         let bytes = self.elements(resource.extent()) * resource.stride() as u64;
         for copy in 0..resource.copies() {
             let target = Target { resource, copy };
-            if !self.buffers.contains_key(&target) {
-                let name = format!("{} {copy}", resource.name());
-                self.buffers.insert(target, storage(device, &name, bytes)?);
+            if let Entry::Vacant(place) = self.buffers.entry(target) {
+                place.insert(storage(device, &format!("{} {copy}", resource.name()), bytes)?);
             }
         }
         if resource == Resource::visibility && self.drawn.is_none() {
