@@ -48,10 +48,13 @@ pub fn pair_targets(
     let incident = table.incident(other.sample, surface.position);
     let holds_one = other.contribution_weight > 0.0;
     let partner = if holds_one { target_function(&surface, &incident) } else { 0.0 };
+    // All but the answer stands before the ray: less to keep across it.
+    let targets = PairTargets { own: target_of(&surface, table, own), partner, index };
+    let ray = ShadowRay::new(&surface, &incident);
     // Both hold the same sample, and so both have seen it.
     let is_certain = own.shares_sample_with(other) || partner == 0.0;
     let visible = is_certain
         || !frame.settings.visibility_is_known()
-        || rays.sees(Question::Partner, ShadowRay::new(&surface, &incident), SURE_HITS_ONLY);
-    PairTargets { own: target_of(&surface, table, own), partner: if visible { partner } else { 0.0 }, index }
+        || rays.sees(Question::Partner, ray, SURE_HITS_ONLY);
+    PairTargets { partner: if visible { partner } else { 0.0 }, ..targets }
 }

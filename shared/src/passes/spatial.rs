@@ -12,9 +12,9 @@ use crate::rng::Stream;
 use crate::surface::GBufferTexel;
 
 #[allow(clippy::too_many_arguments)]
-pub fn spatial(
+pub fn spatial<V: Visibility>(
     at: At<'_>,
-    mut rays: impl Visibility,
+    mut rays: V,
     mut note: impl Witness,
     lights: &[Light],
     alias: &[AliasEntry],
@@ -33,7 +33,8 @@ pub fn spatial(
     let mut rng = at.repeated_rng(Stream::Spatial);
     let canonical = reservoirs[reservoir_index(frame, pixel, at.lane) as usize];
     let target = target_of(&surface, table, canonical);
-    if !at.is(variant::UNBIASED) {
+    // Without rays there is no other way.
+    if !V::TRACES || !at.is(variant::UNBIASED) {
         let mut merge = UniformMerge::default();
         note.merged_canonical(canonical, target, merge.add(canonical, target, rng.next_f32()));
         for _ in 0..settings.neighbors {
