@@ -71,7 +71,7 @@ fn equations_and_doc_comments_agree() {
     assert!(items.len() >= 25, "{} functions name equations", items.len());
     // Negative controls, the table against the code: another function, a number that no doc comment has, one left out.
     for (right, wrong) in [
-        ("`shading::propose` |", "`shading::Average::add` |"),
+        ("`shading::contribution` |", "`shading::Average::add` |"),
         ("| (6) | (4.17) |", "| (6), (7) | (4.17) |"),
         ("| (6) | (4.17) |", "| (6) | – |"),
     ] {
