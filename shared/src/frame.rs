@@ -3,45 +3,68 @@
 use crate::camera::Camera;
 use bytemuck::{Pod, Zeroable};
 use glam::UVec2;
+#[cfg(target_arch = "spirv")]
+use spirv_std::num_traits::Float;
 
-/// Every knob of the estimator.
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-#[repr(C)]
-pub struct Settings {
-    /// Candidates a reservoir is filled with in `initial`, 1..=1024. More: less noise, more time. No bias.
-    pub candidates: u32,
-    /// Candidates that the surface's own reflectance looks for beside those, by a ray each, 0..=4: smooth surfaces need them.
-    /// They act where visibility reuse is on and rays can find lights ([`features::TRACEABLE`]). No bias.
-    pub bsdf_candidates: u32,
-    /// 1: a shadow ray kills the reservoir of an occluded sample before it is reused (Bitterli et al. 2020, Alg. 5).
-    /// Biased mode darkens near shadow edges for it, and is far less noisy.
-    pub visibility_reuse: u32,
-    /// 1: merge the reprojected reservoir of the previous frame.
-    pub temporal: u32,
-    /// 1: merge reservoirs of neighboring pixels.
-    pub spatial: u32,
-    /// Spatial passes n, 1..=8.
-    pub spatial_iterations: u32,
-    /// Neighbors k of each spatial pass, 1..=32.
-    pub neighbors: u32,
-    /// Neighbors are drawn from a disk of this radius, in pixels.
-    pub radius: f32,
-    /// A neighbor's distance to the camera may differ by this fraction.
-    pub depth_threshold: f32,
-    /// A neighbor's normal may differ by the angle with this cosine.
-    pub normal_threshold: f32,
-    /// A history stands for at most this many times the candidates of a new reservoir (Bitterli et al.: 20).
-    pub confidence_cap: f32,
-    /// Reservoirs a pixel N, 1..=4; `shade` averages them.
-    pub reservoirs: u32,
-    /// One of [`mode`].
-    pub mode: u32,
-    /// 1: candidates come from presampled tiles ([`crate::light::tile`]). Faster with many lights; neighboring pixels share
-    /// candidates. No bias.
-    pub tiles: u32,
-    /// 1: unbiased spatial reuse merges pairs of pixels that chose each other ([`crate::resampling::pairs`]), not `neighbors`.
-    pub pairs: u32,
+/// The type of a knob's field.
+macro_rules! word {
+    (number) => {
+        f32
+    };
+    (angle) => {
+        f32
+    };
+    ($other:ident) => {
+        u32
+    };
 }
+
+/// The default of a knob's field.
+macro_rules! default {
+    (switch () $on:literal) => {
+        $on as u32
+    };
+    // Off: how many lights there are is not known here.
+    (auto ($from:literal) $auto:ident) => {
+        0
+    };
+    (choice ($type:ident, $value:expr) $choice:ident) => {
+        $value
+    };
+    (angle $args:tt $degrees:literal) => {
+        ($degrees as f32).to_radians().cos()
+    };
+    ($number:ident $args:tt $value:literal) => {
+        $value
+    };
+}
+
+macro_rules! settings {
+    ({ $(
+        $name:ident -> $field:ident: $kind:ident $args:tt = $default:tt, label $label:literal, about $about:literal,
+        $(unit $unit:literal,)? higher $higher:literal, lower $lower:literal, bias $bias:literal;
+    )* } {}) => {
+        /// Every knob of the estimator, as shaders read it: a field for each row of [`crate::knobs!`].
+        #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+        #[repr(C)]
+        pub struct Settings {
+            $(
+                #[doc = concat!($about, $(", ", $unit,)? ": `", stringify!($kind $args), "`.")]
+                pub $field: word!($kind),
+            )*
+        }
+
+        /// The least error in the least time on measured scenes (docs/results.md); not the thesis's knobs in two: it has 1/M
+        /// weights and two spatial passes.
+        impl Default for Settings {
+            fn default() -> Self {
+                Settings { $($field: default!($kind $args $default),)* }
+            }
+        }
+    };
+}
+
+crate::knobs!(settings {});
 
 /// How reused reservoirs are weighted.
 pub mod mode {
@@ -80,31 +103,6 @@ impl Settings {
     /// only. `features`: of the scene.
     pub fn shading_needs_rays(&self, features: u32) -> bool {
         !self.visibility_is_known() || features & features::ALPHA != 0
-    }
-}
-
-/// The least error in the least time on measured scenes (docs/results.md); not the thesis's knobs in two: it has 1/M weights
-/// and two spatial passes.
-impl Default for Settings {
-    fn default() -> Self {
-        Settings {
-            candidates: 32,
-            bsdf_candidates: 1,
-            visibility_reuse: 1,
-            temporal: 1,
-            spatial: 1,
-            spatial_iterations: 1,
-            neighbors: 4,
-            radius: 8.0,
-            depth_threshold: 0.1,
-            // cos 25°, as Bitterli et al. have it.
-            normal_threshold: 0.906,
-            confidence_cap: 20.0,
-            reservoirs: 1,
-            mode: mode::UNBIASED,
-            tiles: 0,
-            pairs: 1,
-        }
     }
 }
 

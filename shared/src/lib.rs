@@ -27,7 +27,7 @@
 //! docs/algorithm.md, of Bitterli et al. 2020 and of the thesis (Karlović 2022), as in that page's table.
 //!
 //! Reading order: [`math`], [`rng`], [`pdf`], [`sampling`], [`alias_table`], [`environment`], [`light`], [`camera`],
-//! [`frame`], [`geometry`], [`raster`], [`material`], [`ray_cone`], [`alpha`], [`surface`], [`bsdf`], [`target`], [`shadow`],
+//! [`frame`] (its settings: [`knobs!`]), [`geometry`], [`raster`], [`material`], [`ray_cone`], [`alpha`], [`surface`], [`bsdf`], [`target`], [`shadow`],
 //! [`reservoir`], [`motion`], [`resampling`], [`shading`], [`passes`], [`tonemap`], [`view`], [`statistics`],
 //! [`stored_ray`], [`resources`], [`interface`].
 #![cfg_attr(target_arch = "spirv", no_std)]
@@ -41,6 +41,7 @@ pub mod environment;
 pub mod frame;
 pub mod geometry;
 pub mod interface;
+mod knobs;
 pub mod light;
 pub mod material;
 pub mod math;

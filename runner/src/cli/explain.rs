@@ -55,7 +55,7 @@ pub struct ExplainArgs {
 pub fn run(args: &ExplainArgs) -> Result<()> {
     let pixel = UVec2::new(args.x, args.y);
     check_pixel(pixel, args.size)?;
-    let knobs = args.knobs.document()?;
+    let knobs = args.knobs.knobs()?;
     let scene = view::load_scene(&args.scene)?;
     view::scene_camera(&scene, args.camera.as_deref())?;
     let device = Device::new(&args.device.options())?;

@@ -41,7 +41,7 @@ pub fn run(args: &FloorsArgs) -> Result<()> {
     let lights = LightTable::new(&scene);
     let device = Device::new(&args.device.options())?;
     let gpu_scene = GpuScene::new(&device, &scene)?;
-    let knobs = args.knobs.document()?;
+    let knobs = args.knobs.knobs()?;
     let settings = knobs.settings(gpu_scene.light_count());
     let mut renderer = Renderer::new(&device, gpu_scene, args.size, settings.reservoirs)?;
     let frame = floors::Frame { camera, settings, primary: knobs.primary };

@@ -1,6 +1,6 @@
 //! `candela reference`: the truth, accumulated in f64.
 
-use super::args::{DeviceArgs, PictureArgs, SceneArgs};
+use super::args::{DeviceArgs, PictureArgs, SceneArgs, choice};
 use super::{output, progress, view};
 use crate::error::Result;
 use crate::frame::renderer::{FrameOptions, Renderer};
@@ -23,7 +23,7 @@ pub struct ReferenceArgs {
     #[arg(long, default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..))]
     pub samples: u32,
     /// As for `render`.
-    #[arg(long, value_enum, default_value_t = Primary::default())]
+    #[arg(long, value_parser = choice::<Primary>(), default_value = "auto")]
     pub primary: Primary,
 }
 

@@ -61,7 +61,7 @@ pub fn run(args: &RenderArgs) -> Result<()> {
 
 fn still(args: &RenderArgs, frames: u32) -> Result<()> {
     let format = crate::image_io::check_writable(&args.picture.output)?;
-    let knobs = args.knobs.document()?;
+    let knobs = args.knobs.knobs()?;
     let mut scene = view::load_scene(&args.scene)?;
     view::pose(&mut scene, args.picture.time);
     let camera = view::camera(&scene, &args.picture)?;

@@ -34,7 +34,7 @@ pub fn run(args: &RenderArgs, frames: Range<u32>) -> Result<()> {
     if missing.is_empty() {
         return Ok(());
     }
-    let knobs = args.knobs.document()?;
+    let knobs = args.knobs.knobs()?;
     let scene = view::load_scene(&args.scene)?;
     view::camera(&scene, &args.picture)?;
     let device = Device::new(&args.device.options())?;

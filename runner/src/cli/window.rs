@@ -36,7 +36,7 @@ pub struct ViewArgs {
 }
 
 pub fn run(args: &ViewArgs) -> Result<()> {
-    let settings = args.knobs.document()?;
+    let settings = args.knobs.knobs()?;
     let script = args.script.as_deref().map(Script::read).transpose()?.unwrap_or_default();
     // Without a display nothing else is worth a wait.
     let display = Display::open(args.device.options())?;

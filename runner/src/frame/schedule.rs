@@ -23,7 +23,7 @@ pub struct Rotation {
 }
 
 /// How a frame finds what its pixels see. Both give the same surfaces, but where a pixel's center lies on an edge.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Primary {
     /// What was measured to be faster: `raster` on processors, `rays` on other devices.

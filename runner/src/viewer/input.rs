@@ -1,8 +1,8 @@
 //! What a user does, apart from any window system, and what each key means.
 
-use super::knobs::{self, Knob, Step};
 use super::presets::Preset;
 use super::views::View;
+use crate::knobs::{self, Knob, Step};
 use glam::Vec2;
 use std::path::PathBuf;
 
@@ -101,28 +101,46 @@ const fn bind(
 
 /// All keys but those held to fly.
 pub const BINDINGS: &[Binding] = &[
-    bind(KeyCode::Comma, false, ",", "light samples halved", Command::Step(&knobs::CANDIDATES, Step::Down)),
-    bind(KeyCode::Period, false, ".", "light samples doubled", Command::Step(&knobs::CANDIDATES, Step::Up)),
-    bind(KeyCode::KeyV, false, "V", "visibility reuse", Command::Toggle(&knobs::VISIBILITY)),
-    bind(KeyCode::KeyT, false, "T", "temporal reuse", Command::Toggle(&knobs::TEMPORAL)),
-    bind(KeyCode::KeyR, false, "R", "spatial reuse", Command::Toggle(&knobs::SPATIAL)),
-    bind(KeyCode::KeyU, false, "U", "biased or unbiased", Command::Toggle(&knobs::MODE)),
+    bind(
+        KeyCode::Comma,
+        false,
+        ",",
+        "light samples halved",
+        Command::Step(&knobs::by_name::candidates, Step::Down),
+    ),
+    bind(
+        KeyCode::Period,
+        false,
+        ".",
+        "light samples doubled",
+        Command::Step(&knobs::by_name::candidates, Step::Up),
+    ),
+    bind(KeyCode::KeyV, false, "V", "visibility reuse", Command::Toggle(&knobs::by_name::visibility)),
+    bind(KeyCode::KeyT, false, "T", "temporal reuse", Command::Toggle(&knobs::by_name::temporal)),
+    bind(KeyCode::KeyR, false, "R", "spatial reuse", Command::Toggle(&knobs::by_name::spatial)),
+    bind(KeyCode::KeyU, false, "U", "biased or unbiased", Command::Toggle(&knobs::by_name::mode)),
     bind(
         KeyCode::BracketLeft,
         false,
         "[",
         "one spatial iteration less",
-        Command::Step(&knobs::ITERATIONS, Step::Down),
+        Command::Step(&knobs::by_name::iterations, Step::Down),
     ),
     bind(
         KeyCode::BracketRight,
         false,
         "]",
         "one spatial iteration more",
-        Command::Step(&knobs::ITERATIONS, Step::Up),
+        Command::Step(&knobs::by_name::iterations, Step::Up),
     ),
-    bind(KeyCode::KeyN, false, "N", "one neighbor more", Command::Step(&knobs::NEIGHBORS, Step::Up)),
-    bind(KeyCode::KeyN, true, "Shift N", "one neighbor less", Command::Step(&knobs::NEIGHBORS, Step::Down)),
+    bind(KeyCode::KeyN, false, "N", "one neighbor more", Command::Step(&knobs::by_name::neighbors, Step::Up)),
+    bind(
+        KeyCode::KeyN,
+        true,
+        "Shift N",
+        "one neighbor less",
+        Command::Step(&knobs::by_name::neighbors, Step::Down),
+    ),
     bind(KeyCode::ArrowUp, false, "Up", "the knob above", Command::SelectKnob(Step::Down)),
     bind(KeyCode::ArrowDown, false, "Down", "the knob below", Command::SelectKnob(Step::Up)),
     bind(KeyCode::ArrowLeft, false, "Left", "less of the chosen knob", Command::StepSelected(Step::Down)),
@@ -196,7 +214,7 @@ mod tests {
     fn shift_makes_another_key_only_where_it_is_bound() {
         assert_eq!(command(KeyCode::KeyC, true), Some(Command::CopyCamera));
         assert_eq!(command(KeyCode::KeyC, false), Some(Command::NextCamera(Step::Up)));
-        assert_eq!(command(KeyCode::KeyV, true), Some(Command::Toggle(&knobs::VISIBILITY)));
+        assert_eq!(command(KeyCode::KeyV, true), Some(Command::Toggle(&knobs::by_name::visibility)));
         assert_eq!(command(KeyCode::KeyW, false), None);
     }
 }

@@ -11,7 +11,6 @@ mod explaining;
 mod frames;
 mod gui;
 mod input;
-mod knobs;
 mod loader;
 mod notices;
 mod panels;
@@ -34,8 +33,8 @@ pub use script::Script;
 pub use source::Source;
 
 use crate::error::{Error, Result};
+use crate::knobs::Knobs;
 use crate::scene::{SceneCamera, SceneDescription};
-use crate::settings_file::SettingsFile;
 use crate::vulkan::surface::window_extensions;
 use crate::vulkan::{Device, DeviceOptions};
 use glam::UVec2;
@@ -47,7 +46,7 @@ pub struct Start {
     pub scene: SceneDescription,
     pub source: Source,
     pub camera: SceneCamera,
-    pub settings: SettingsFile,
+    pub settings: Knobs,
     /// Of the scene's animations, s; none: at rest.
     pub time: Option<f64>,
     /// Of the window, pixels.

@@ -1,6 +1,6 @@
 //! Settings that are known by a name.
 
-use crate::settings_file::{Mode, SettingsFile};
+use crate::knobs::{Knobs, Mode};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Preset {
@@ -37,13 +37,11 @@ impl Preset {
     }
 
     /// None: the reference has no knobs.
-    pub fn settings(self) -> Option<SettingsFile> {
-        let unbiased = SettingsFile::default();
+    pub fn settings(self) -> Option<Knobs> {
+        let unbiased = Knobs::default();
         match self {
-            Preset::Fast => Some(SettingsFile { candidates: 8, spatial: false, ..unbiased }),
-            Preset::Thesis => {
-                Some(SettingsFile { mode: Mode::Biased, iterations: 2, radius: 30.0, ..unbiased })
-            }
+            Preset::Fast => Some(Knobs { candidates: 8, spatial: false, ..unbiased }),
+            Preset::Thesis => Some(Knobs { mode: Mode::Biased, iterations: 2, radius: 30.0, ..unbiased }),
             Preset::Unbiased => Some(unbiased),
             Preset::Reference => None,
         }

@@ -22,8 +22,8 @@
 //! ```
 
 use super::input::{Button, Command, Input, KeyCode};
-use super::knobs;
 use crate::error::{Error, Result};
+use crate::knobs;
 use glam::{UVec2, Vec2};
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};

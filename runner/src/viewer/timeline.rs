@@ -1,6 +1,6 @@
 //! The time of a scene that moves.
 
-use super::knobs::Step;
+use crate::knobs::Step;
 
 /// What one step goes, s: a picture of a film.
 const STEP: f64 = 1.0 / 24.0;

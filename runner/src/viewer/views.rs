@@ -1,6 +1,6 @@
 //! What the window can show of a frame.
 
-use super::knobs::Step;
+use crate::knobs::Step;
 use shared::view::kind;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -4,7 +4,7 @@
 mod knobs;
 pub mod values;
 
-pub use knobs::KnobArgs;
+pub use knobs::{KnobArgs, choice};
 
 use super::compare::CompareArgs;
 use super::explain::ExplainArgs;

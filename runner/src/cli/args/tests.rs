@@ -3,7 +3,7 @@
 use super::values::parse_view;
 use super::*;
 use crate::cli::render::Frames;
-use crate::settings_file::{SettingsFile, Tiles};
+use crate::knobs::{Auto, Knobs};
 
 fn render(line: &str) -> Result<RenderArgs, clap::Error> {
     let cli = Cli::try_parse_from(["candela", "render"].into_iter().chain(line.split(' ')))?;
@@ -15,8 +15,8 @@ fn render(line: &str) -> Result<RenderArgs, clap::Error> {
 
 #[test]
 fn defaults_are_the_documents_defaults() {
-    let document = render("-o a.png").unwrap().knobs.document().unwrap();
-    assert_eq!(document, SettingsFile::default());
+    let document = render("-o a.png").unwrap().knobs.knobs().unwrap();
+    assert_eq!(document, Knobs::default());
 }
 
 /// Whatever the file says, the command line has the last word; what it does not mention stays.
@@ -25,11 +25,11 @@ fn the_command_line_overrides_the_file() {
     let path = std::env::temp_dir().join(format!("candela-knobs-{}.json", std::process::id()));
     std::fs::write(&path, r#"{"candidates": 5, "temporal": false, "neighbors": 7, "tiles": "on"}"#).unwrap();
     let line = |rest: &str| format!("-o a.png --settings {} {rest}", path.display()).trim().to_owned();
-    let document = |rest: &str| render(&line(rest)).unwrap().knobs.document();
+    let document = |rest: &str| render(&line(rest)).unwrap().knobs.knobs();
     let file = document("").unwrap();
-    assert_eq!((file.candidates, file.temporal, file.neighbors, file.tiles), (5, false, 7, Tiles::On));
+    assert_eq!((file.candidates, file.temporal, file.neighbors, file.tiles), (5, false, 7, Auto::On));
     let changed = document("--candidates 6 --temporal --no-tiles").unwrap();
-    let expected = SettingsFile { candidates: 6, temporal: true, tiles: Tiles::Off, ..file };
+    let expected = Knobs { candidates: 6, temporal: true, tiles: Auto::Off, ..file };
     assert_eq!(changed, expected);
     std::fs::write(&path, r#"{"candidates": 5000}"#).unwrap();
     let error = document("").unwrap_err().to_string();
@@ -42,7 +42,7 @@ fn knobs_reach_the_settings() {
     let line = "a.glb 7 -o a.png --size 64x48 --candidates 8 --neighbors 3 --iterations 1 --radius 10 --reservoirs 2 \
                 --no-temporal --no-spatial --spatial --no-visibility --depth-threshold 0.2 --normal-threshold 60";
     let args = render(&line.split_whitespace().collect::<Vec<_>>().join(" ")).unwrap();
-    let s = args.knobs.document().unwrap().settings(7);
+    let s = args.knobs.knobs().unwrap().settings(7);
     assert_eq!((s.candidates, s.neighbors, s.spatial_iterations, s.reservoirs), (8, 3, 1, 2));
     assert_eq!((s.temporal, s.spatial, s.visibility_reuse), (0, 1, 0));
     assert_eq!((s.radius, s.depth_threshold), (10.0, 0.2));
@@ -56,7 +56,7 @@ fn the_viewer_needs_no_command() {
     let cli = parse("candela");
     assert!(cli.command.is_none() && cli.view.scene.source() == SceneSource::Atrium);
     let cli = parse("candela a.glb 7 --candidates 8 --camera=-1,2,3,4,5,6");
-    assert!(cli.command.is_none() && cli.view.knobs.candidates == Some(8));
+    assert!(cli.command.is_none() && cli.view.knobs.knobs().unwrap().candidates == 8);
     assert_eq!((cli.view.scene.light_count(), cli.view.camera.as_deref()), (7, Some("-1,2,3,4,5,6")));
     let Some(Command::View(args)) = parse("candela view a.glb 7").command else { panic!("no view") };
     assert_eq!(args.scene.scene, PathBuf::from("a.glb"));

@@ -1,6 +1,7 @@
 //! points.csv: one line a row of the tables, every number.
 
 use super::passes;
+use crate::knobs;
 use crate::measure::sweep::Results;
 use crate::measure::sweep::point::{Judged, Measurement};
 
@@ -22,12 +23,11 @@ pub fn table(results: &Results) -> String {
 }
 
 fn header(passes: &[String]) -> Vec<String> {
-    let mut names: Vec<String> =
-        "scene lights camera series label triangles light_table width height mode candidates bsdf_candidates visibility \
-        temporal spatial pairs iterations neighbors radius reservoirs tiles primary frame_ms frame_p95_ms frame_spread_ms"
-            .split_whitespace()
-            .map(str::to_owned)
-            .collect();
+    let place =
+        ["scene", "lights", "camera", "series", "label", "triangles", "light_table", "width", "height"];
+    let knobs = knobs::ALL.iter().map(|knob| knob.name);
+    let times = ["frame_ms", "frame_p95_ms", "frame_spread_ms"];
+    let mut names: Vec<String> = place.into_iter().chain(knobs).chain(times).map(str::to_owned).collect();
     names.extend(passes.iter().map(|p| format!("{p}_ms")));
     names.push("steady".into());
     for name in INTERVALS {
@@ -43,29 +43,10 @@ const REST: [&str; 7] =
     ["flip", "lasting_error", "flicker", "temporal_correlation", "not_finite", "truth_error", "truth_capped"];
 
 fn numbers(m: &Measurement, passes: &[String]) -> Vec<String> {
-    let s = &m.settings;
-    let word = |value: serde_json::Result<serde_json::Value>| {
-        value.ok().and_then(|v| v.as_str().map(str::to_owned)).unwrap_or_default()
-    };
-    let mut cells = vec![
-        m.triangles.to_string(),
-        m.light_count.to_string(),
-        m.size[0].to_string(),
-        m.size[1].to_string(),
-        word(serde_json::to_value(s.mode)),
-        s.candidates.to_string(),
-        s.bsdf_candidates.to_string(),
-        s.visibility.to_string(),
-        s.temporal.to_string(),
-        s.spatial.to_string(),
-        s.pairs.to_string(),
-        s.iterations.to_string(),
-        s.neighbors.to_string(),
-        s.radius.to_string(),
-        s.reservoirs.to_string(),
-        word(serde_json::to_value(s.tiles)),
-        word(serde_json::to_value(s.primary)),
-    ];
+    let [width, height] = m.size;
+    let mut cells =
+        [m.triangles.to_string(), m.light_count.to_string(), width.to_string(), height.to_string()].to_vec();
+    cells.extend(knobs::ALL.iter().map(|knob| knob.value(&m.settings).to_string()));
     cells.extend([m.frame.median, m.frame.p95, m.frame.spread].map(|x| x.to_string()));
     let ms =
         |pass: &String| m.passes.iter().find(|(name, _)| name == pass).map(|(_, t)| t.median.to_string());

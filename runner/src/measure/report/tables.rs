@@ -154,12 +154,12 @@ fn with_error(i: &Interval) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::knobs::{Knobs, Mode};
     use crate::measure::statistics::Times;
-    use crate::settings_file::{Mode, SettingsFile};
 
     #[test]
     fn bench_rows_say_what_they_change_and_cost() {
-        let row = |label: &str, lights, settings: SettingsFile, ms: f64| Row {
+        let row = |label: &str, lights, settings: Knobs, ms: f64| Row {
             label: label.into(),
             lights,
             measured: Some(Measurement {
@@ -170,9 +170,9 @@ mod tests {
             }),
             ..Row::default()
         };
-        let biased = SettingsFile { mode: Mode::Biased, temporal: false, ..SettingsFile::default() };
+        let biased = Knobs { mode: Mode::Biased, temporal: false, ..Knobs::default() };
         let failed = Row { label: "lost".into(), error: Some("no device".into()), ..Row::default() };
-        let rows = [row("first", 500, SettingsFile::default(), 4.0), row("other", 9, biased, 5.0), failed];
+        let rows = [row("first", 500, Knobs::default(), 4.0), row("other", 9, biased, 5.0), failed];
         let table = bench(&rows);
         assert_eq!(table[0], ["", "change", "shade", "frame, ms", "spread", "over the first"]);
         assert_eq!(table[1], ["first", "", "2.000", "4.000", "0.000", "1.000"]);

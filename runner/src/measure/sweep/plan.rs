@@ -2,7 +2,7 @@
 
 use super::steady::SteadyPlan;
 use crate::error::{Error, Result};
-use crate::settings_file::SettingsFile;
+use crate::knobs::Knobs;
 use glam::UVec2;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -151,7 +151,7 @@ pub struct PointSpec {
     pub series: String,
     /// Arm and values of the axes.
     pub label: String,
-    pub settings: SettingsFile,
+    pub settings: Knobs,
 }
 
 impl Plan {
@@ -236,7 +236,7 @@ impl Plan {
     }
 
     /// (label, settings) of a series.
-    fn rows(&self, series: &Series) -> Result<Vec<(String, SettingsFile)>, String> {
+    fn rows(&self, series: &Series) -> Result<Vec<(String, Knobs)>, String> {
         let nameless = [Arm { name: String::new(), settings: Table::new() }];
         let arms = if series.arms.is_empty() { &nameless[..] } else { &series.arms };
         let mut rows = Vec::new();
@@ -249,7 +249,7 @@ impl Plan {
                 let label = name.into_iter().chain(values).collect::<Vec<_>>().join(", ");
                 let label = if label.is_empty() { series.name.clone() } else { label };
                 let wrong = |reason: String| format!("series '{}', {label}: {reason}", series.name);
-                let settings: SettingsFile =
+                let settings: Knobs =
                     knobs.try_into().map_err(|e: toml::de::Error| wrong(e.message().replace('\n', " ")))?;
                 settings.check().map_err(wrong)?;
                 rows.push((label, settings));
@@ -287,7 +287,7 @@ fn combinations(knobs: &Table) -> Vec<(Vec<String>, Table)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::settings_file::Mode;
+    use crate::knobs::Mode;
 
     const SMALL: &str = r#"
         title = "small"

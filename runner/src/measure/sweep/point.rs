@@ -7,11 +7,11 @@ use super::truth::{AboutTruth, Truth};
 use crate::error::Result;
 use crate::frame::renderer::{FrameOptions, Renderer, StepTimes};
 use crate::frame::schedule::{Primary, Work};
+use crate::knobs::Knobs;
 use crate::measure::mean::Mean;
 use crate::measure::metrics::{self, Metrics, Stability};
 use crate::measure::statistics::{Interval, Times};
 use crate::measure::times::PassTimes;
-use crate::settings_file::SettingsFile;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use shared::camera::Camera;
@@ -28,7 +28,7 @@ pub struct Measurement {
     pub light_count: u32,
     pub camera: String,
     pub size: [u32; 2],
-    pub settings: SettingsFile,
+    pub settings: Knobs,
     pub warm_up: u32,
     pub frames: u32,
     pub replicas: u32,
@@ -117,7 +117,7 @@ pub fn measure(
     renderer: &mut Renderer,
     camera: Camera,
     plan: &Plan,
-    settings: &SettingsFile,
+    settings: &Knobs,
     truth: Option<&Truth>,
     mut tick: impl FnMut(),
 ) -> Result<Measurement> {

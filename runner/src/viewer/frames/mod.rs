@@ -19,9 +19,9 @@ use crate::frame::recorder::{FrameOptions, Recorder};
 use crate::frame::renderer::MAX_TIMESTAMPS;
 use crate::frame::schedule::{Primary, Work};
 use crate::gpu_scene::GpuScene;
+use crate::knobs::Knobs;
 use crate::scene::animation::Pose;
 use crate::scene::{SceneCamera, SceneDescription};
-use crate::settings_file::SettingsFile;
 use crate::vulkan::{Buffer, Device, Timestamps};
 use ash::vk;
 use glam::{UVec2, Vec3};
@@ -72,7 +72,7 @@ pub struct First {
     /// Pixels.
     pub size: UVec2,
     pub camera: SceneCamera,
-    pub settings: SettingsFile,
+    pub settings: Knobs,
     /// Time of the scene, s; none: at rest.
     pub time: Option<f64>,
 }
@@ -163,12 +163,12 @@ impl Frames {
     }
 
     /// `file` for this scene.
-    fn settings(&self, file: &SettingsFile) -> Settings {
+    fn settings(&self, file: &Knobs) -> Settings {
         file.settings(self.light_count())
     }
 
     /// A frame of `file` for this scene. One seed: frames differ by their index.
-    fn options(&self, file: &SettingsFile, exposure: f32) -> FrameOptions {
+    fn options(&self, file: &Knobs, exposure: f32) -> FrameOptions {
         let (work, primary) = (Work::Restir(self.settings(file)), file.primary);
         FrameOptions { work, primary, seed: 0, exposure, background: Vec3::ZERO }
     }

@@ -2,7 +2,7 @@
 
 use crate::error::Result;
 use crate::frame::history::History;
-use crate::settings_file::SettingsFile;
+use crate::knobs::Knobs;
 use crate::viewer::state::State;
 use crate::viewer::views::View;
 use crate::vulkan::Device;
@@ -15,7 +15,7 @@ use shared::view::kind;
 pub(super) struct Side {
     pub history: History,
     /// What the mean stands for, and how many frames it has.
-    settings: Option<SettingsFile>,
+    settings: Option<Knobs>,
     pub count: u32,
 }
 
@@ -39,7 +39,7 @@ impl Side {
     }
 
     /// The mean starts anew with other settings.
-    pub fn follow(&mut self, settings: &SettingsFile) {
+    pub fn follow(&mut self, settings: &Knobs) {
         if self.settings.as_ref() != Some(settings) {
             self.settings = Some(settings.clone());
             self.count = 0;

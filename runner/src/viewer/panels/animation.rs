@@ -1,7 +1,7 @@
 //! The scene's time.
 
+use crate::knobs::Step;
 use crate::viewer::input::Command;
-use crate::viewer::knobs::Step;
 use crate::viewer::state::{Action, State};
 use egui::{Slider, Ui};
 

@@ -1,7 +1,7 @@
 //! Presets and every knob, with what it means.
 
+use crate::knobs::{self, Knob, Step};
 use crate::viewer::input::Command;
-use crate::viewer::knobs::{self, Knob, Step};
 use crate::viewer::presets::Preset;
 use crate::viewer::state::{Action, State};
 use crate::viewer::views::Split;
@@ -35,18 +35,22 @@ pub fn show(ui: &mut Ui, state: &mut State, actions: &mut Vec<Action>) {
 }
 
 fn row(ui: &mut Ui, knob: &'static Knob, selected: bool, state: &State, commands: &mut Vec<Command>) {
-    let name = RichText::new(knob.name);
+    let name = RichText::new(knob.label);
     let name = if selected { name.color(Color32::LIGHT_BLUE) } else { name };
     ui.label(name).on_hover_ui(|ui| {
-        ui.strong(knob.name);
-        ui.label(knob.meaning);
-        for (what, text) in
-            [("Unit", knob.unit), ("Higher", knob.higher), ("Lower", knob.lower), ("Bias", knob.bias)]
-        {
+        ui.strong(knob.label);
+        ui.label(knob.about);
+        let values = [knob.values(), knob.unit.into()].join(" ");
+        for (what, text) in [
+            ("Values", values.trim_end()),
+            ("Higher", knob.higher),
+            ("Lower", knob.lower),
+            ("Bias", knob.bias),
+        ] {
             ui.label(format!("{what}: {text}"));
         }
     });
-    let value = knob.value(&state.settings[state.side]);
+    let value = knob.shown(knob.value(&state.settings[state.side]));
     ui.horizontal(|ui| {
         if knob.is_switch() {
             if ui.button(value).clicked() {

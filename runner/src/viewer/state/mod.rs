@@ -5,13 +5,13 @@ mod pointer;
 
 use super::camera::{Rig, Style};
 use super::input::{Command, Input, KeyCode, command};
-use super::knobs::{self, Step};
 use super::presets::Preset;
 use super::timeline::Timeline;
 use super::views::{Split, View};
+use crate::knobs::Knobs;
+use crate::knobs::{self, Step};
 use crate::scene::animation::Thing;
 use crate::scene::{SceneCamera, SceneDescription};
-use crate::settings_file::SettingsFile;
 use glam::{UVec2, Vec3};
 use pointer::Pointer;
 use std::collections::HashSet;
@@ -34,9 +34,9 @@ pub enum Action {
 
 pub struct State {
     /// Of the left side, which is the whole window unless it is split, and of the right side.
-    pub settings: [SettingsFile; 2],
+    pub settings: [Knobs; 2],
     /// What `Reset` goes back to.
-    initial: SettingsFile,
+    initial: Knobs,
     /// Which settings the knobs change.
     pub side: usize,
     pub selected: usize,
@@ -78,7 +78,7 @@ pub struct State {
 }
 
 impl State {
-    pub fn new(scene: &SceneDescription, first: &SceneCamera, settings: SettingsFile, size: UVec2) -> Self {
+    pub fn new(scene: &SceneDescription, first: &SceneCamera, settings: Knobs, size: UVec2) -> Self {
         State {
             settings: [settings.clone(), settings.clone()],
             initial: settings,
@@ -125,7 +125,7 @@ impl State {
     }
 
     /// The settings that the knobs change.
-    pub fn edited(&mut self) -> &mut SettingsFile {
+    pub fn edited(&mut self) -> &mut Knobs {
         &mut self.settings[self.side]
     }
 

@@ -5,7 +5,7 @@ use glam::Vec2;
 fn state() -> State {
     let scene = SceneDescription::default();
     let camera = scene.camera_fitted();
-    State::new(&scene, &camera, SettingsFile::default(), UVec2::new(200, 100))
+    State::new(&scene, &camera, Knobs::default(), UVec2::new(200, 100))
 }
 
 fn press(state: &mut State, key: KeyCode) -> Option<Action> {
@@ -41,7 +41,7 @@ fn arrows_reach_every_knob() {
     }
     assert_eq!(state.selected, 0, "around once");
     press(&mut state, KeyCode::Backspace);
-    assert_eq!(state.settings[0], SettingsFile::default());
+    assert_eq!(state.settings[0], Knobs::default());
 }
 
 #[test]
@@ -191,8 +191,7 @@ fn moving() -> SceneDescription {
 #[test]
 fn the_camera_follows_the_files_until_it_is_taken_by_hand() {
     let mut scene = moving();
-    let mut state =
-        State::new(&scene, &scene.cameras[0].clone(), SettingsFile::default(), UVec2::new(200, 100));
+    let mut state = State::new(&scene, &scene.cameras[0].clone(), Knobs::default(), UVec2::new(200, 100));
     let mut at = |state: &mut State, time: f64| {
         state.timeline.seek(time);
         let pose = scene.pose(time);
@@ -215,8 +214,7 @@ fn the_camera_follows_the_files_until_it_is_taken_by_hand() {
 
 #[test]
 fn time_goes_on_while_it_plays() {
-    let mut state =
-        State::new(&moving(), &moving().cameras[0], SettingsFile::default(), UVec2::new(200, 100));
+    let mut state = State::new(&moving(), &moving().cameras[0], Knobs::default(), UVec2::new(200, 100));
     press(&mut state, KeyCode::Space);
     state.advance(0.5);
     assert_eq!(state.timeline.time(), Some(0.5));

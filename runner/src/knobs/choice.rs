@@ -1,0 +1,78 @@
+//! Knobs that take one of a few words.
+
+use crate::frame::schedule::Primary;
+use serde::{Deserialize, Serialize};
+use shared::frame::mode;
+
+/// One of a few words, from the lowest to the highest.
+pub trait Choice: Copy + PartialEq + 'static {
+    const ALL: &'static [Self];
+    /// Of each: as people type it, and what it means.
+    const WORDS: &'static [(&'static str, &'static str)];
+
+    fn word(self) -> &'static str {
+        Self::ALL.iter().zip(Self::WORDS).find(|(choice, _)| **choice == self).map_or("", |(_, word)| word.0)
+    }
+
+    fn from_word(word: &str) -> Option<Self> {
+        Self::ALL.iter().zip(Self::WORDS).find(|(_, known)| known.0 == word).map(|(&choice, _)| choice)
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Mode {
+    Biased,
+    Unbiased,
+}
+
+impl Choice for Mode {
+    const ALL: &'static [Self] = &[Mode::Biased, Mode::Unbiased];
+    const WORDS: &'static [(&'static str, &'static str)] = &[
+        ("biased", "1/M weights (Bitterli et al. 2020, Alg. 4): fast, darkens where neighbors disagree"),
+        ("unbiased", "Pairwise MIS with the neighbors' visibility: the right mean, more rays"),
+    ];
+}
+
+/// The field of [`shared::frame::Settings`].
+impl From<Mode> for u32 {
+    fn from(mode: Mode) -> u32 {
+        match mode {
+            Mode::Biased => mode::BIASED,
+            Mode::Unbiased => mode::UNBIASED,
+        }
+    }
+}
+
+/// A switch that can decide for itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Auto {
+    Off,
+    Auto,
+    On,
+}
+
+impl Choice for Auto {
+    const ALL: &'static [Self] = &[Auto::Off, Auto::Auto, Auto::On];
+    const WORDS: &'static [(&'static str, &'static str)] = &[("off", ""), ("auto", ""), ("on", "")];
+}
+
+impl Auto {
+    pub fn is_on(self, by_itself: bool) -> bool {
+        match self {
+            Auto::Off => false,
+            Auto::Auto => by_itself,
+            Auto::On => true,
+        }
+    }
+}
+
+impl Choice for Primary {
+    const ALL: &'static [Self] = &[Primary::Rays, Primary::Auto, Primary::Raster];
+    const WORDS: &'static [(&'static str, &'static str)] = &[
+        ("rays", "A ray a pixel"),
+        ("auto", "What was measured to be faster: `raster` on processors, `rays` on other devices"),
+        ("raster", "The graphics pipeline draws the scene"),
+    ];
+}
