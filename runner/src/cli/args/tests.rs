@@ -3,7 +3,7 @@
 use super::values::parse_view;
 use super::*;
 use crate::cli::render::Frames;
-use crate::knobs::{Auto, Knobs};
+use crate::knobs::{self, Auto, Knobs};
 
 fn render(line: &str) -> Result<RenderArgs, clap::Error> {
     let cli = Cli::try_parse_from(["candela", "render"].into_iter().chain(line.split(' ')))?;
@@ -35,6 +35,46 @@ fn the_command_line_overrides_the_file() {
     let error = document("").unwrap_err().to_string();
     assert!(error.contains("candela-knobs") && error.contains("1..=1024"), "{error}");
     std::fs::remove_file(&path).unwrap();
+}
+
+/// What `options` says is what can be typed, and gives the same knobs again.
+#[test]
+fn every_knob_can_be_typed() {
+    let base = Knobs::default();
+    let typed = |line: &str| render(&format!("-o a.png {line}")).unwrap().knobs.knobs().unwrap();
+    for knob in knobs::ALL {
+        let mut other = base.clone();
+        knob.toggle(&mut other);
+        let line = other.options(&base).join(" ");
+        assert_eq!(typed(&line), other, "{line}");
+    }
+    let other = Knobs { radius: 12.3, confidence_cap: 0.1, normal_threshold: 33.3, ..base.clone() };
+    assert_eq!(typed(&other.options(&base).join(" ")), other);
+    assert!(base.options(&base).is_empty());
+    let off = Knobs { visibility: false, tiles: Auto::Off, ..base.clone() };
+    assert_eq!(base.options(&Knobs { tiles: Auto::Auto, ..off.clone() }), ["--visibility"]);
+    assert_eq!(off.options(&base), ["--no-tiles", "--no-visibility"]);
+}
+
+#[test]
+fn the_last_of_two_flags_counts() {
+    let temporal = |line: &str| render(line).unwrap().knobs.knobs().unwrap().temporal;
+    assert!(!temporal("-o a.png --temporal --no-temporal"));
+    assert!(temporal("-o a.png --no-temporal --temporal"));
+}
+
+#[test]
+fn help_says_all_of_each_knob() {
+    use clap::CommandFactory;
+    let mut command = Cli::command();
+    let help = command.find_subcommand_mut("render").unwrap().render_long_help().to_string();
+    for knob in knobs::ALL {
+        assert!(help.contains(&format!("--{}", knob.name.replace('_', "-"))), "{}", knob.name);
+        assert!(help.contains(knob.about) && help.contains(&knob.default_in_words()), "{}", knob.name);
+        assert!(
+            knob.words().iter().all(|(word, about)| about.is_empty() || help.contains(&format!("{word}: ")))
+        );
+    }
 }
 
 #[test]

@@ -87,6 +87,14 @@ mod tests {
             let cells = numbers(&Measurement { judged, ..Measurement::default() }, &passes).len();
             assert_eq!(header(&passes).len(), 5 + cells + 1);
         }
+        for knob in knobs::ALL {
+            let mut point = Measurement::default();
+            let at = header(&passes).iter().position(|name| name == knob.name).unwrap() - 5;
+            for _ in 0..2 {
+                knob.toggle(&mut point.settings);
+                assert_eq!(numbers(&point, &passes)[at], knob.value(&point.settings).to_string());
+            }
+        }
         assert_eq!(quoted("a, \"b\""), "\"a, \"\"b\"\"\"");
     }
 }
