@@ -1,5 +1,4 @@
-use candela::cli::{self, args::Cli};
-use clap::Parser;
+use candela::cli;
 use std::process::ExitCode;
 use tracing_subscriber::EnvFilter;
 
@@ -15,7 +14,7 @@ fn main() -> ExitCode {
         .with_env_filter(EnvFilter::try_from_default_env().unwrap_or_else(|_| quiet()))
         .with_writer(std::io::stderr)
         .init();
-    match cli::run(Cli::parse()) {
+    match cli::run() {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("error: {error}");

@@ -96,7 +96,7 @@ pub fn pages() -> Vec<PathBuf> {
 }
 
 /// Files under `folder` whose name ends so; not those of build products and hidden folders.
-pub(crate) fn files(folder: &Path, extension: &str) -> Vec<PathBuf> {
+pub fn files(folder: &Path, extension: &str) -> Vec<PathBuf> {
     let entries = fs::read_dir(folder).into_iter().flatten().filter_map(Result::ok).map(|entry| entry.path());
     let mut found = Vec::new();
     for path in entries {

@@ -57,7 +57,7 @@ pub fn run(args: &ExplainArgs) -> Result<()> {
     check_pixel(pixel, args.size)?;
     let knobs = args.knobs.knobs()?;
     let scene = view::load_scene(&args.scene)?;
-    view::scene_camera(&scene, args.camera.as_deref())?;
+    scene.camera(args.camera.as_deref())?;
     let device = Device::new(&args.device.options())?;
     let gpu_scene = GpuScene::new(&device, &scene)?;
     let settings = knobs.settings(gpu_scene.light_count());
@@ -109,7 +109,6 @@ impl Stage<'_> {
                 self.world.follow(&self.scene, &pose);
             }
         }
-        let camera = view::scene_camera(&self.scene, self.args.camera.as_deref())?;
-        Ok(view::shared_camera(&camera, self.args.size))
+        Ok(self.scene.camera(self.args.camera.as_deref())?.seen_in(self.args.size))
     }
 }

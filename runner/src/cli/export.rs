@@ -21,7 +21,7 @@ pub struct ExportArgs {
 
 pub fn run(args: &ExportArgs) -> Result<()> {
     let scene = view::load_scene(&args.scene)?;
-    let camera = view::scene_camera(&scene, args.camera.as_deref())?;
+    let camera = scene.camera(args.camera.as_deref())?;
     for line in interchange::left_out(&scene) {
         eprintln!("warning: {}: {line}", scene.name);
     }

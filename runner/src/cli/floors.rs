@@ -37,7 +37,7 @@ pub struct FloorsArgs {
 
 pub fn run(args: &FloorsArgs) -> Result<()> {
     let scene = view::load_scene(&args.scene)?;
-    let camera = view::shared_camera(&view::scene_camera(&scene, args.camera.as_deref())?, args.size);
+    let camera = scene.camera(args.camera.as_deref())?.seen_in(args.size);
     let lights = LightTable::new(&scene);
     let device = Device::new(&args.device.options())?;
     let gpu_scene = GpuScene::new(&device, &scene)?;

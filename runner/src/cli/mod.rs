@@ -16,15 +16,17 @@ mod render;
 mod report;
 mod sequence;
 mod sweep;
-pub(crate) mod view;
+mod view;
 mod window;
 
 use crate::error::Result;
 use crate::startup;
 use args::{Cli, Command};
+use clap::Parser;
 
-/// Runs one command.
-pub fn run(cli: Cli) -> Result<()> {
+/// Runs the command that the program was started with; ends it where that can't be understood, or asks for help.
+pub fn run() -> Result<()> {
+    let cli = Cli::parse();
     if cli.timings() {
         startup::report();
     }

@@ -78,7 +78,7 @@ pub fn run(args: &SweepArgs) -> Result<()> {
     let store = Store::open(&args.cache.clone().unwrap_or_else(|| args.output.join("cache")))?;
     report::check_writable(&args.output)?;
     let bar = progress::bar(point::frames_of(&plan) * points.len() as u64, "measuring");
-    let sweep = Sweep { plan: &plan, base, points, store, device: args.device.options(), bar: bar.clone() };
+    let sweep = Sweep { plan: &plan, base, points, store, device: args.device.options(), progress: &bar };
     let mut written = Instant::now();
     let (about, rows, device) = sweep.run(|about, rows| {
         if written.elapsed() > WRITE_EVERY {

@@ -42,7 +42,7 @@ pub fn run(args: &ViewArgs) -> Result<()> {
     let display = Display::open(args.device.options())?;
     let mut scene = view::load_scene(&args.scene)?;
     view::pose(&mut scene, args.time);
-    let camera = view::scene_camera(&scene, args.camera.as_deref())?;
+    let camera = scene.camera(args.camera.as_deref())?;
     let device = display.device.clone();
     let source = Source {
         scene: args.scene.source(),

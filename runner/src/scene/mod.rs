@@ -11,6 +11,7 @@ pub mod interchange;
 pub mod lights;
 pub mod procedural;
 mod source;
+pub mod viewpoint;
 
 pub use environment::Environment;
 pub use source::{EnvironmentSource, load};

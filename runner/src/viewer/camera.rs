@@ -169,7 +169,7 @@ impl Rig {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cli::args::values::parse_view;
+    use crate::scene::viewpoint::parse_view;
 
     fn rig(style: Style) -> Rig {
         let camera = SceneCamera {

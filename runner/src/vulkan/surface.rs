@@ -4,8 +4,8 @@ use super::Check;
 use super::device::Device;
 use crate::error::{Error, Result};
 use ash::{khr, vk};
+use raw_window_handle::{HasDisplayHandle, HasWindowHandle};
 use std::ffi::CStr;
-use winit::raw_window_handle::{HasDisplayHandle, HasWindowHandle};
 
 /// Instance extensions that windows of this display need, for `DeviceOptions::window_extensions`.
 pub fn window_extensions(display: &impl HasDisplayHandle) -> Result<Vec<&'static CStr>> {

@@ -1,6 +1,5 @@
 //! What can be said, and what is refused.
 
-use super::values::parse_view;
 use super::*;
 use crate::cli::render::Frames;
 use crate::knobs::{self, Auto, Knobs};
@@ -131,13 +130,4 @@ fn frames_are_a_number_or_a_range() {
     assert_eq!(render("-o a.png").unwrap().frames, Frames::Still(16));
     assert_eq!(render("-o a.png --frames 3").unwrap().frames, Frames::Still(3));
     assert_eq!(render("-o a.png --frames 10..20").unwrap().frames, Frames::Sequence(10..20));
-}
-
-#[test]
-fn views_are_six_or_seven_numbers() {
-    assert!(parse_view("nave").is_none() && parse_view("2").is_none());
-    let (position, target, fov) = parse_view("1,2,3,4,5,6").unwrap().unwrap();
-    assert_eq!((position.x, target.z, fov), (1.0, 6.0, None));
-    assert_eq!(parse_view("1,2,3,4,5,6,50").unwrap().unwrap().2, Some(50.0));
-    assert!(parse_view("1,2,3").unwrap().is_err() && parse_view("1,2,3,4,5,inf").unwrap().is_err());
 }

@@ -1,7 +1,6 @@
 //! Parsers of single values.
 
-use crate::error::{Error, Result};
-use glam::{DVec3, UVec2};
+use glam::UVec2;
 
 pub fn time(text: &str) -> Result<f64, String> {
     text.parse()
@@ -23,18 +22,4 @@ pub fn positive(text: &str) -> Result<f32, String> {
         .ok()
         .filter(|x: &f32| x.is_finite() && *x > 0.0)
         .ok_or_else(|| "expected a number above 0".into())
-}
-
-/// `x,y,z,tx,ty,tz[,fov]` as (position, target, fov in degrees), or none if it is no list of numbers.
-pub fn parse_view(text: &str) -> Option<Result<(DVec3, DVec3, Option<f64>)>> {
-    let numbers: Vec<f64> = text.split(',').map(|n| n.trim().parse().ok()).collect::<Option<_>>()?;
-    let finite = numbers.iter().all(|n| n.is_finite());
-    match numbers[..] {
-        [x, y, z, tx, ty, tz, ref fov @ ..] if finite && fov.len() <= 1 => {
-            Some(Ok((DVec3::new(x, y, z), DVec3::new(tx, ty, tz), fov.first().copied())))
-        }
-        // A single number is a camera's index.
-        [_] => None,
-        _ => Some(Err(Error::Usage(format!("--camera {text}: expected x,y,z,tx,ty,tz[,fov]")))),
-    }
 }

@@ -8,7 +8,6 @@ pub mod steady;
 pub mod store;
 pub mod truth;
 
-use crate::cli::view;
 use crate::error::{Error, Result};
 use crate::frame::renderer::Renderer;
 use crate::frame::schedule::Primary;
@@ -17,7 +16,6 @@ use crate::measure::mean::Mean;
 use crate::scene::{self, SceneDescription, SceneSource};
 use crate::vulkan::{Device, DeviceOptions};
 use about::About;
-use indicatif::ProgressBar;
 use plan::{Plan, PointSpec};
 use point::Measurement;
 use serde::{Deserialize, Serialize};
@@ -61,7 +59,19 @@ pub struct Sweep<'a> {
     pub points: Vec<PointSpec>,
     pub store: Store,
     pub device: DeviceOptions,
-    pub bar: ProgressBar,
+    pub progress: &'a dyn Progress,
+}
+
+/// Who wants to know how far a sweep is.
+pub trait Progress {
+    /// So many frames more are rendered, or need not be.
+    fn advance(&self, frames: u64);
+    /// It goes on.
+    fn tick(&self);
+    /// What is done now.
+    fn enter(&self, stage: &'static str);
+    /// One line for each finished point.
+    fn say(&self, line: &str);
 }
 
 impl PointSpec {
@@ -129,8 +139,8 @@ impl Sweep<'_> {
     /// From the store, or measured now.
     fn point(&self, bench: &mut Bench, spec: &PointSpec, about: &About) -> Result<Measurement> {
         let plan = self.plan;
-        let view = view::scene_camera(&bench.scene, spec.camera.as_deref())?;
-        let camera = view::shared_camera(&view, plan.size());
+        let view = bench.scene.camera(spec.camera.as_deref())?;
+        let camera = view.seen_in(plan.size());
         let place =
             (METHOD, &about.device, &about.shaders, &bench.scene_key, bytemuck::bytes_of(&camera), plan.size);
         let runs = (plan.warm_up, plan.frames, plan.replicas, plan.seed, plan.steady);
@@ -139,7 +149,7 @@ impl Sweep<'_> {
         let truth_key = store::key(&(&place, plan.truth.max_rays, spec.settings.primary))?;
         let key = store::key(&(&place, &plan.truth, &spec.settings, runs, accumulate))?;
         if let Some(known) = self.store.point(&key).filter(|_| !plan.times_only) {
-            self.bar.inc(point::frames_of(plan));
+            self.progress.advance(point::frames_of(plan));
             return Ok(known);
         }
         let measure = || self.measure(bench, camera, spec, &truth_key);
@@ -191,7 +201,7 @@ impl Sweep<'_> {
             }
         };
         let measured = if plan.times_only {
-            point::measure(renderer, camera, plan, &spec.settings, None, || self.bar.inc(1))?
+            point::measure(renderer, camera, plan, &spec.settings, None, || self.progress.advance(1))?
         } else {
             self.judged(renderer, &bench.scene, camera, spec, truth_key)?
         };
@@ -215,8 +225,9 @@ impl Sweep<'_> {
             let settings = &spec.settings;
             let about = (truth_key, settings.primary);
             let truth = self.truth(renderer, scene, camera, about, wanted)?;
-            let mut measured =
-                point::measure(renderer, camera, self.plan, settings, Some(&truth), || self.bar.inc(1))?;
+            let mut measured = point::measure(renderer, camera, self.plan, settings, Some(&truth), || {
+                self.progress.advance(1)
+            })?;
             let Some(judged) = &mut measured.judged else { return Ok(measured) };
             let enough = plan.part * judged.smallest_error();
             judged.truth.capped = truth.about.error > enough && truth.about.samples >= plan.max_samples;
@@ -250,13 +261,13 @@ impl Sweep<'_> {
             features: renderer.scene().features(),
             primary,
         };
-        self.bar.set_message("reference");
+        self.progress.enter("reference");
         let size = renderer.size();
         let mut mean = self.store.truth_state(key, size).unwrap_or_else(|| Mean::new(size));
         let mut truth =
-            truth::converge(renderer, camera, &lighting, plan, wanted, &mut mean, || self.bar.tick())?;
+            truth::converge(renderer, camera, &lighting, plan, wanted, &mut mean, || self.progress.tick())?;
         truth.about.key = key.into();
-        self.bar.set_message("measuring");
+        self.progress.enter("measuring");
         self.store.save_truth(key, &truth, &mean)?;
         Ok(truth)
     }
@@ -278,7 +289,6 @@ impl Sweep<'_> {
         }
     }
 
-    /// One line for each finished point, on standard output.
     fn report(&self, row: &Row, number: usize) {
         let what = match (&row.measured, &row.error) {
             (Some(m), _) => {
@@ -289,6 +299,6 @@ impl Sweep<'_> {
         };
         let Row { scene, lights, series, label, .. } = row;
         let total = self.points.len();
-        self.bar.suspend(|| println!("{number}/{total} {scene} {lights} / {series} / {label}: {what}"));
+        self.progress.say(&format!("{number}/{total} {scene} {lights} / {series} / {label}: {what}"));
     }
 }
