@@ -52,7 +52,7 @@ impl Gui {
             Some(side),
         );
         let target = Target::new(device, swapchain)?;
-        let allocator = device.allocator().ok_or_else(|| Error::Internal("the device is gone".into()))?;
+        let allocator = device.allocator();
         let options = Options {
             in_flight_frames: frames,
             srgb_framebuffer: swapchain.encodes_srgb(),

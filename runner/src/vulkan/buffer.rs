@@ -1,6 +1,7 @@
 //! Buffers: on the device, or mapped by the host for upload or readback.
 
-use super::device::{Device, creation_error};
+use super::device::Device;
+use super::memory::creation_error;
 use super::upload::Uploader;
 use super::{Check, memory_barrier};
 use crate::error::{Error, Result};

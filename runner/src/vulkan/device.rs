@@ -1,22 +1,22 @@
 //! The device: a cheap shared handle to instance, queue, allocator and extension functions.
 
-use super::image::SamplerKey;
+use super::c_string;
+use super::handles::Handles;
 use super::instance::{Instance, MessageLog};
+use super::limits::Limits;
+use super::memory::DeviceMemory;
 use super::physical::{self, DeviceInfo, PhysicalDevice};
 use super::pipeline_cache::PipelineCache;
-use super::{Check, c_string};
-use crate::error::{Error, Result};
+use super::queue::Queue;
+use super::samplers::Samplers;
+use crate::error::Result;
 use crate::startup;
 use ash::{ext, khr, vk};
-use gpu_allocator::vulkan::{
-    Allocation, AllocationCreateDesc, AllocationScheme, Allocator, AllocatorCreateDesc,
-};
-use gpu_allocator::{AllocationError, MemoryLocation};
-use std::collections::HashMap;
+use gpu_allocator::vulkan::Allocator;
 use std::ffi::CStr;
+use std::mem::ManuallyDrop;
 use std::path::PathBuf;
-use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 #[derive(Clone, Debug, Default)]
 pub struct DeviceOptions {
@@ -32,66 +32,26 @@ pub struct DeviceOptions {
     pub pipeline_statistics: bool,
 }
 
-/// Limits that the renderer meets.
-#[derive(Clone, Copy, Debug)]
-pub struct Limits {
-    /// Shader group handles, bytes.
-    pub handle_size: u32,
-    pub handle_alignment: u32,
-    pub table_alignment: u32,
-    pub max_ray_dispatch: u32,
-    /// Draws of one indirect command.
-    pub max_draws: u32,
-    pub scratch_alignment: u32,
-    /// Of a bottom-level structure.
-    pub max_geometries: u64,
-    pub max_triangles: u64,
-    /// Of a top-level structure.
-    pub max_instances: u64,
-    /// Nanoseconds a timestamp tick.
-    pub timestamp_period: f32,
-    /// 0: the queue has no timestamps.
-    pub timestamp_bits: u32,
-    /// Bytes of one storage buffer binding.
-    pub max_storage_buffer: u64,
-    pub uniform_alignment: u64,
-    pub max_push_constants: u32,
-    /// Sampled images that one stage can reach.
-    pub max_textures: u32,
-    /// Side of a 2D image, texels.
-    pub max_image_side: u32,
-    /// Width or height of a picture that the graphics pipeline draws.
-    pub max_drawn_side: u32,
-    /// 1 where the device has no anisotropic filter.
-    pub max_anisotropy: f32,
-}
-
 /// A logical device with one queue. Clones share it; whatever is made from it holds a clone, so it goes last.
 #[derive(Clone)]
 pub struct Device(Arc<Inner>);
 
 struct Inner {
-    device: ash::Device,
+    handles: Handles,
     pipelines: PipelineCache,
     physical: PhysicalDevice,
     limits: Limits,
-    queue: Mutex<vk::Queue>,
-    acceleration: khr::acceleration_structure::Device,
-    ray_tracing: khr::ray_tracing_pipeline::Device,
-    push_descriptor: khr::push_descriptor::Device,
-    debug_utils: Option<ext::debug_utils::Device>,
-    executables: Option<khr::pipeline_executable_properties::Device>,
-    /// `None` only while the device is being dropped.
-    allocator: Option<Arc<Mutex<Allocator>>>,
-    memory_used: AtomicU64,
-    samplers: Mutex<HashMap<SamplerKey, vk::Sampler>>,
+    queue: Queue,
+    /// Dropped by hand: before the device.
+    memory: ManuallyDrop<DeviceMemory>,
+    samplers: Samplers,
     instance: Instance,
 }
 
 impl std::ops::Deref for Device {
     type Target = ash::Device;
     fn deref(&self) -> &ash::Device {
-        &self.0.device
+        &self.0.handles.device
     }
 }
 
@@ -108,52 +68,29 @@ impl Device {
             extensions.push(khr::swapchain::NAME);
         }
         let physical = physical::choose(&instance.handle, options.device.as_deref(), &extensions)?;
-        let wants_statistics = options.pipeline_statistics;
-        let has_statistics =
-            wants_statistics && physical::has_executables(&instance.handle, physical.handle)?;
-        if has_statistics {
+        if options.pipeline_statistics && physical::has_executables(&instance.handle, physical.handle)? {
             extensions.push(khr::pipeline_executable_properties::NAME);
         }
-        let (device, anisotropy) = create(&instance.handle, &physical, &extensions)?;
-        let limits = limits(&instance.handle, &physical, anisotropy);
+        let (handles, anisotropy) = Handles::new(&instance, &physical, &extensions)?;
+        let limits = Limits::of(&instance.handle, &physical, anisotropy);
         // SAFETY: a device of this instance.
         let properties = unsafe { instance.handle.get_physical_device_properties(physical.handle) };
-        let pipelines = PipelineCache::new(&device, options.pipeline_cache.as_deref(), &properties);
+        let pipelines = PipelineCache::new(&handles.device, options.pipeline_cache.as_deref(), &properties);
         // SAFETY: nothing has been made from the device yet.
-        let pipelines = pipelines.inspect_err(|_| unsafe { device.destroy_device(None) })?;
-        let allocator = Allocator::new(&AllocatorCreateDesc {
-            instance: instance.handle.clone(),
-            device: device.clone(),
-            physical_device: physical.handle,
-            debug_settings: Default::default(),
-            buffer_device_address: true,
-            allocation_sizes: Default::default(),
-        });
-        let allocator = allocator.map_err(|e| {
-            // SAFETY: nothing else has been made from the device yet.
-            unsafe {
-                device.destroy_pipeline_cache(pipelines.handle, None);
-                device.destroy_device(None);
-            }
-            Error::Platform(format!("{}: can't manage its memory: {e}", physical.info.name))
+        let pipelines = pipelines.inspect_err(|_| unsafe { handles.device.destroy_device(None) })?;
+        let name = &physical.info.name;
+        let memory = DeviceMemory::new(&instance.handle, &handles.device, physical.handle, name);
+        // SAFETY: nothing else has been made from the device yet.
+        let memory = memory.inspect_err(|_| unsafe {
+            handles.device.destroy_pipeline_cache(pipelines.handle, None);
+            handles.device.destroy_device(None);
         })?;
-        // SAFETY: the device was created with one queue of this family.
-        let queue = unsafe { device.get_device_queue(physical.queue_family, 0) };
         Ok(Device(Arc::new(Inner {
             limits,
-            queue: Mutex::new(queue),
-            acceleration: khr::acceleration_structure::Device::new(&instance.handle, &device),
-            ray_tracing: khr::ray_tracing_pipeline::Device::new(&instance.handle, &device),
-            push_descriptor: khr::push_descriptor::Device::new(&instance.handle, &device),
-            executables: has_statistics
-                .then(|| khr::pipeline_executable_properties::Device::new(&instance.handle, &device)),
-            debug_utils: instance
-                .has_debug_utils
-                .then(|| ext::debug_utils::Device::new(&instance.handle, &device)),
-            allocator: Some(Arc::new(Mutex::new(allocator))),
-            memory_used: AtomicU64::new(0),
-            samplers: Mutex::default(),
-            device,
+            queue: Queue::new(&handles.device, physical.queue_family),
+            memory: ManuallyDrop::new(memory),
+            samplers: Samplers::default(),
+            handles,
             pipelines,
             physical,
             instance,
@@ -180,39 +117,30 @@ impl Device {
         self.0.physical.handle
     }
 
-    pub fn queue_family(&self) -> u32 {
-        self.0.physical.queue_family
-    }
-
-    /// The queue, locked: Vulkan wants one thread at a time on it.
-    pub fn queue(&self) -> MutexGuard<'_, vk::Queue> {
-        self.0.queue.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
     /// For all pipelines; several threads may use it.
     pub fn pipeline_cache(&self) -> vk::PipelineCache {
         self.0.pipelines.handle
     }
 
     pub fn acceleration(&self) -> &khr::acceleration_structure::Device {
-        &self.0.acceleration
+        &self.0.handles.acceleration
     }
 
     pub fn ray_tracing(&self) -> &khr::ray_tracing_pipeline::Device {
-        &self.0.ray_tracing
+        &self.0.handles.ray_tracing
     }
 
     pub fn push_descriptor(&self) -> &khr::push_descriptor::Device {
-        &self.0.push_descriptor
+        &self.0.handles.push_descriptor
     }
 
     pub fn debug_utils(&self) -> Option<&ext::debug_utils::Device> {
-        self.0.debug_utils.as_ref()
+        self.0.handles.debug_utils.as_ref()
     }
 
     /// If pipelines are made to tell about themselves.
     pub(super) fn executables(&self) -> Option<&khr::pipeline_executable_properties::Device> {
-        self.0.executables.as_ref()
+        self.0.handles.executables.as_ref()
     }
 
     /// Can pipelines tell what the driver's compiler made of them?
@@ -229,13 +157,13 @@ impl Device {
     }
 
     /// For libraries that allocate themselves (the GUI); they must let go of it before the device drops.
-    pub fn allocator(&self) -> Option<&Arc<Mutex<Allocator>>> {
-        self.0.allocator.as_ref()
+    pub fn allocator(&self) -> &Arc<Mutex<Allocator>> {
+        &self.memory().allocator
     }
 
     /// Bytes that buffers and images occupy now.
     pub fn memory_used(&self) -> u64 {
-        self.0.memory_used.load(Ordering::Relaxed)
+        self.memory().used()
     }
 
     /// Warnings and errors of the validation layer so far; empty without `validate`.
@@ -257,161 +185,34 @@ impl Device {
         let _ = unsafe { debug.set_debug_utils_object_name(&info) };
     }
 
-    pub fn wait_idle(&self) -> Result<()> {
-        let _queue = self.queue();
-        // SAFETY: the queue is locked.
-        unsafe { self.device_wait_idle() }.check("wait for the device")
+    pub(super) fn submission(&self) -> &Queue {
+        &self.0.queue
     }
 
-    /// Memory for the resource `name`, of whatever size `requirements` ask for.
-    pub(super) fn allocate(
-        &self,
-        name: &str,
-        requirements: vk::MemoryRequirements,
-        location: MemoryLocation,
-        linear: bool,
-    ) -> Result<Allocation> {
-        let mut allocator = self.lock_allocator()?;
-        let scheme = AllocationScheme::GpuAllocatorManaged;
-        let desc = AllocationCreateDesc { name, requirements, location, linear, allocation_scheme: scheme };
-        let allocation = allocator.allocate(&desc).map_err(|error| match error {
-            AllocationError::OutOfMemory => out_of_memory(name, requirements.size, location),
-            other => Error::Platform(format!("{name}: can't allocate {} bytes: {other}", requirements.size)),
-        })?;
-        self.0.memory_used.fetch_add(allocation.size(), Ordering::Relaxed);
-        Ok(allocation)
+    pub(super) fn memory(&self) -> &DeviceMemory {
+        &self.0.memory
     }
 
-    pub(super) fn free(&self, allocation: Allocation) {
-        self.0.memory_used.fetch_sub(allocation.size(), Ordering::Relaxed);
-        if let Ok(mut allocator) = self.lock_allocator()
-            && let Err(error) = allocator.free(allocation)
-        {
-            tracing::error!("can't free memory: {error}");
-        }
+    pub(super) fn samplers(&self) -> &Samplers {
+        &self.0.samplers
     }
-
-    fn lock_allocator(&self) -> Result<MutexGuard<'_, Allocator>> {
-        let allocator = self.allocator().ok_or_else(|| Error::Internal("the device is gone".into()))?;
-        Ok(allocator.lock().unwrap_or_else(PoisonError::into_inner))
-    }
-
-    /// The device's samplers, by key; they live as long as it does.
-    pub(super) fn samplers(&self) -> MutexGuard<'_, HashMap<SamplerKey, vk::Sampler>> {
-        self.0.samplers.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-}
-
-/// The error of a failed call that was to make a resource of `bytes`.
-pub(super) fn creation_error(result: vk::Result, what: &str, bytes: u64, location: MemoryLocation) -> Error {
-    match result {
-        vk::Result::ERROR_OUT_OF_DEVICE_MEMORY | vk::Result::ERROR_OUT_OF_HOST_MEMORY => {
-            out_of_memory(what, bytes, location)
-        }
-        _ => Error::Vulkan { what: format!("create {what}"), result },
-    }
-}
-
-fn out_of_memory(what: &str, bytes: u64, location: MemoryLocation) -> Error {
-    let device = if location == MemoryLocation::GpuOnly { "the GPU" } else { "the host" };
-    Error::OutOfMemory { what: what.into(), bytes, device }
 }
 
 impl Drop for Inner {
     fn drop(&mut self) {
-        self.pipelines.save(&self.device);
-        // SAFETY: all that was made from the device held a clone of it, so it is gone; memory goes before the device.
+        let device = &self.handles.device;
+        self.pipelines.save(device);
+        // SAFETY: all that was made from the device held a clone of it, so it is gone; memory goes before the device, and
+        // nothing reads it afterwards.
         unsafe {
-            let _ = self.device.device_wait_idle();
-            for (_, sampler) in self.samplers.get_mut().unwrap_or_else(PoisonError::into_inner).drain() {
-                self.device.destroy_sampler(sampler, None);
+            let _ = device.device_wait_idle();
+            for sampler in self.samplers.take() {
+                device.destroy_sampler(sampler, None);
             }
-            self.allocator = None;
-            self.device.destroy_pipeline_cache(self.pipelines.handle, None);
-            self.device.destroy_device(None);
+            ManuallyDrop::drop(&mut self.memory);
+            device.destroy_pipeline_cache(self.pipelines.handle, None);
+            device.destroy_device(None);
         }
-    }
-}
-
-/// The logical device, and whether it filters anisotropically.
-fn create(
-    instance: &ash::Instance,
-    physical: &PhysicalDevice,
-    extensions: &[&CStr],
-) -> Result<(ash::Device, bool)> {
-    // SAFETY: a device of this instance.
-    let present = unsafe { instance.get_physical_device_features(physical.handle) };
-    let enabled = vk::PhysicalDeviceFeatures::default()
-        .multi_draw_indirect(true)
-        .draw_indirect_first_instance(true)
-        .sampler_anisotropy(present.sampler_anisotropy == vk::TRUE)
-        .shader_storage_image_extended_formats(present.shader_storage_image_extended_formats == vk::TRUE);
-    let mut v12 = physical::vulkan12_features();
-    let mut acceleration =
-        vk::PhysicalDeviceAccelerationStructureFeaturesKHR::default().acceleration_structure(true);
-    let mut ray_tracing =
-        vk::PhysicalDeviceRayTracingPipelineFeaturesKHR::default().ray_tracing_pipeline(true);
-    let queues = [vk::DeviceQueueCreateInfo::default()
-        .queue_family_index(physical.queue_family)
-        .queue_priorities(&[1.0])];
-    let names: Vec<_> = extensions.iter().map(|name| name.as_ptr()).collect();
-    let mut executables =
-        vk::PhysicalDevicePipelineExecutablePropertiesFeaturesKHR::default().pipeline_executable_info(true);
-    let mut info = vk::DeviceCreateInfo::default()
-        .queue_create_infos(&queues)
-        .enabled_extension_names(&names)
-        .enabled_features(&enabled)
-        .push_next(&mut v12)
-        .push_next(&mut acceleration)
-        .push_next(&mut ray_tracing);
-    if extensions.contains(&khr::pipeline_executable_properties::NAME) {
-        info = info.push_next(&mut executables);
-    }
-    // SAFETY: `choose` has seen that the device has these extensions and features.
-    let device = unsafe { instance.create_device(physical.handle, &info, None) }
-        .check(format_args!("create device '{}'", physical.info.name))?;
-    Ok((device, enabled.sampler_anisotropy == vk::TRUE))
-}
-
-fn limits(instance: &ash::Instance, physical: &PhysicalDevice, anisotropy: bool) -> Limits {
-    let mut acceleration = vk::PhysicalDeviceAccelerationStructurePropertiesKHR::default();
-    let mut ray_tracing = vk::PhysicalDeviceRayTracingPipelinePropertiesKHR::default();
-    let mut properties =
-        vk::PhysicalDeviceProperties2::default().push_next(&mut acceleration).push_next(&mut ray_tracing);
-    // SAFETY: a device of this instance that has both extensions.
-    unsafe { instance.get_physical_device_properties2(physical.handle, &mut properties) };
-    let limits = properties.properties.limits;
-    // SAFETY: as above.
-    let families = unsafe { instance.get_physical_device_queue_family_properties(physical.handle) };
-    let textures = [
-        limits.max_per_stage_descriptor_samplers,
-        limits.max_per_stage_descriptor_sampled_images,
-        limits.max_descriptor_set_samplers,
-        limits.max_descriptor_set_sampled_images,
-    ];
-    let [width, height] = limits.max_viewport_dimensions;
-    let drawn = [limits.max_framebuffer_width, limits.max_framebuffer_height, width, height];
-    Limits {
-        handle_size: ray_tracing.shader_group_handle_size,
-        handle_alignment: ray_tracing.shader_group_handle_alignment,
-        table_alignment: ray_tracing.shader_group_base_alignment,
-        max_ray_dispatch: ray_tracing.max_ray_dispatch_invocation_count,
-        max_draws: limits.max_draw_indirect_count,
-        scratch_alignment: acceleration.min_acceleration_structure_scratch_offset_alignment,
-        max_geometries: acceleration.max_geometry_count,
-        max_triangles: acceleration.max_primitive_count,
-        max_instances: acceleration.max_instance_count,
-        timestamp_period: limits.timestamp_period,
-        timestamp_bits: families
-            .get(physical.queue_family as usize)
-            .map_or(0, |family| family.timestamp_valid_bits),
-        max_storage_buffer: limits.max_storage_buffer_range.into(),
-        uniform_alignment: limits.min_uniform_buffer_offset_alignment,
-        max_push_constants: limits.max_push_constants_size,
-        max_textures: textures.into_iter().min().unwrap_or(0),
-        max_image_side: limits.max_image_dimension2_d,
-        max_drawn_side: drawn.into_iter().fold(limits.max_image_dimension2_d, u32::min),
-        max_anisotropy: if anisotropy { limits.max_sampler_anisotropy } else { 1.0 },
     }
 }
 
@@ -419,6 +220,7 @@ fn limits(instance: &ash::Instance, physical: &PhysicalDevice, anisotropy: bool)
 mod tests {
     use super::super::testing;
     use super::*;
+    use crate::error::Error;
     use crate::vulkan::{Buffer, Memory};
 
     #[test]

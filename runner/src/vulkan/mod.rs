@@ -1,4 +1,4 @@
-//! Vulkan, as thin as safety allows. Reading order: `device`, `buffer`, `image`, `commands`, `upload`,
+//! Vulkan, as thin as safety allows. Reading order: `device` (of `handles`, `limits`, `memory`, `samplers`, `queue`), `buffer`, `image`, `commands`, `upload`,
 //! `acceleration`, `descriptors`, `pipeline`, `ray_pipeline`, `draw_target`, `draw_pipeline`, `timing`; for windows `surface`, `swapchain`.
 //!
 //! Recording takes raw `vk::CommandBuffer`s: whoever records keeps what the commands use alive until they have run.
@@ -12,12 +12,17 @@ pub mod device;
 pub mod draw_pipeline;
 pub mod draw_target;
 pub mod executables;
+mod handles;
 pub mod image;
 mod instance;
+mod limits;
+mod memory;
 mod physical;
 pub mod pipeline;
 pub mod pipeline_cache;
+mod queue;
 pub mod ray_pipeline;
+mod samplers;
 pub mod shader_table;
 pub mod surface;
 pub mod swapchain;
@@ -32,10 +37,11 @@ pub use acceleration::{BlasGeometry, BlasSet, Tlas, TlasInstance};
 pub use buffer::{Buffer, Memory};
 pub use commands::{CommandRing, FrameCommands, Scope, full_barrier, memory_barrier};
 pub use descriptors::{Binding, DescriptorSet, PushSet, SetLayout};
-pub use device::{Device, DeviceOptions, Limits};
+pub use device::{Device, DeviceOptions};
 pub use draw_pipeline::{DrawPipeline, DrawPipelineDesc};
 pub use draw_target::DrawTarget;
 pub use image::{Image, ImageDesc};
+pub use limits::Limits;
 pub use physical::DeviceInfo;
 pub use pipeline::{ComputePipeline, Interface, Pipeline, Shader};
 pub use ray_pipeline::{HitGroup, RayPipeline, RayPipelineDesc};
