@@ -182,21 +182,11 @@ impl Knob {
         let up = step == Step::Up;
         let value = match (&self.kind, self.value(knobs)) {
             (Kind::Count(range, counting), Value::Count(count)) => {
-                let next = match counting {
-                    Counting::One => {
-                        if up {
-                            count.saturating_add(1)
-                        } else {
-                            count.saturating_sub(1)
-                        }
-                    }
-                    Counting::Doubled => {
-                        if up {
-                            count.saturating_mul(2)
-                        } else {
-                            count / 2
-                        }
-                    }
+                let next = match (counting, up) {
+                    (Counting::One, true) => count.saturating_add(1),
+                    (Counting::One, false) => count.saturating_sub(1),
+                    (Counting::Doubled, true) => count.saturating_mul(2),
+                    (Counting::Doubled, false) => count / 2,
                 };
                 Value::Count(next.clamp(*range.start(), *range.end()))
             }
