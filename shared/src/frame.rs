@@ -3,8 +3,6 @@
 use crate::camera::Camera;
 use bytemuck::{Pod, Zeroable};
 use glam::UVec2;
-#[cfg(target_arch = "spirv")]
-use spirv_std::num_traits::Float;
 
 /// The type of a knob's field.
 macro_rules! word {
@@ -20,6 +18,7 @@ macro_rules! word {
 }
 
 /// The default of a knob's field.
+#[cfg(not(target_arch = "spirv"))]
 macro_rules! default {
     (switch () $on:literal) => {
         $on as u32
@@ -32,7 +31,7 @@ macro_rules! default {
         $value
     };
     (angle $args:tt $degrees:literal) => {
-        ($degrees as f32).to_radians().cos()
+        f64::to_radians($degrees).cos() as f32
     };
     ($number:ident $args:tt $value:literal) => {
         $value
@@ -56,6 +55,7 @@ macro_rules! settings {
 
         /// The least error in the least time on measured scenes (docs/results.md); not the thesis's knobs in two: it has 1/M
         /// weights and two spatial passes.
+        #[cfg(not(target_arch = "spirv"))]
         impl Default for Settings {
             fn default() -> Self {
                 Settings { $($field: default!($kind $args $default),)* }

@@ -38,9 +38,8 @@ fn knobs() -> Table {
     let head = ["knob", "values", "default", "meaning", "higher, on", "lower, off", "bias"];
     let mut table = vec![head.map(str::to_owned).to_vec()];
     table.extend(ALL.iter().map(|knob| {
-        let values = format!("{} {}", knob.values(), knob.unit);
         let cells =
-            [values.trim_end(), &knob.default_in_words(), knob.about, knob.higher, knob.lower, knob.bias];
+            [&*knob.values(), &knob.default_in_words(), knob.about, knob.higher, knob.lower, knob.bias];
         let name = format!("`{}`", knob.name);
         std::iter::once(name).chain(cells.map(str::to_owned)).collect()
     }));

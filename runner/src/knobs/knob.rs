@@ -138,12 +138,12 @@ impl Knob {
         }
     }
 
-    /// What it takes, in words.
+    /// What it takes, in words, with its unit.
     pub fn values(&self) -> String {
         match &self.kind {
             Kind::Count(range, _) => format!("{} to {}", range.start(), range.end()),
-            Kind::Number(..) => "a number above 0".into(),
-            Kind::Angle(range, _) => format!("a number above 0, at most {}", range.end()),
+            Kind::Number(..) => format!("a number above 0, {}", self.unit),
+            Kind::Angle(range, _) => format!("a number above 0, at most {}, {}", range.end(), self.unit),
             Kind::Switch => "on or off".into(),
             Kind::Auto(from) => format!("on, off or auto: on from {from} lights on"),
             Kind::Choice(words) => words.iter().map(|(word, _)| *word).collect::<Vec<_>>().join(" or "),

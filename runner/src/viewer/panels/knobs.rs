@@ -40,13 +40,9 @@ fn row(ui: &mut Ui, knob: &'static Knob, selected: bool, state: &State, commands
     ui.label(name).on_hover_ui(|ui| {
         ui.strong(knob.label);
         ui.label(knob.about);
-        let values = [knob.values(), knob.unit.into()].join(" ");
-        for (what, text) in [
-            ("Values", values.trim_end()),
-            ("Higher", knob.higher),
-            ("Lower", knob.lower),
-            ("Bias", knob.bias),
-        ] {
+        for (what, text) in
+            [("Values", &*knob.values()), ("Higher", knob.higher), ("Lower", knob.lower), ("Bias", knob.bias)]
+        {
             ui.label(format!("{what}: {text}"));
         }
     });
