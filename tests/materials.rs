@@ -39,7 +39,7 @@ fn texture(texels: [[u8; 4]; 4]) -> Texture {
     Texture { image: Arc::new(image), srgb: false, wrap: [Wrap::Repeat; 2], filter: Filter::NEAREST }
 }
 
-/// Single frames that trace one shadow ray a pixel for the one light, and so are exact but for lots.
+/// Single frames that trace one shadow ray a pixel for the one light, and so are exact but for stochastic alpha.
 fn exact() -> Settings {
     Settings { spatial: 0, temporal: 0, ..Settings::default() }
 }

@@ -103,8 +103,8 @@ fn mirrors_show_what_they_mirror() {
     assert_no_validation_messages(&device);
 }
 
-/// A mirror that looks through a pane of alpha 1/2 shows half, in the mean: the found sample draws its lot once. Binomial
-/// over some 100,000 lots: |z| < 4.9 is a false alarm in 1e-6.
+/// A mirror that looks through a pane of alpha 1/2 shows half, in the mean: the found sample draws its alpha once. Binomial
+/// over some 100,000 draws: |z| < 4.9 is a false alarm in 1e-6.
 #[test]
 fn mirrors_look_through_panes() {
     let Some(device) = device() else { return };
@@ -116,17 +116,17 @@ fn mirrors_look_through_panes() {
     let truth: Vec<_> = mirror_pixels(sky_mirrored).into_iter().filter(|(_, l)| *l != Vec3::ZERO).collect();
     for mode in [mode::BIASED, mode::UNBIASED] {
         let settings = Settings { spatial: 0, temporal: 0, mode, ..Settings::default() };
-        let (mut shown, mut lots) = (0.0, 0.0);
+        let (mut shown, mut draws) = (0.0, 0.0);
         for seed in 0..48 {
             let image = restir(&mut renderer, camera, settings, 1, seed);
             for &(i, l) in &truth {
                 shown += f64::from(image[i].y / l.y).min(2.0);
-                lots += 1.0;
+                draws += 1.0;
             }
         }
-        let z = (shown - 0.5 * lots) / (0.25 * lots).sqrt();
-        println!("mode {mode}: {} of {lots}, z {z:.2}", shown / lots);
-        assert!(z.abs() < 4.9, "mode {mode}: {} of the light instead of half", shown / lots);
+        let z = (shown - 0.5 * draws) / (0.25 * draws).sqrt();
+        println!("mode {mode}: {} of {draws}, z {z:.2}", shown / draws);
+        assert!(z.abs() < 4.9, "mode {mode}: {} of the light instead of half", shown / draws);
     }
     assert_no_validation_messages(&device);
 }

@@ -43,8 +43,8 @@ fn see(renderer: &mut Renderer, camera: Camera, primary: Primary) -> Seen {
     Seen { gbuffer, triangles }
 }
 
-/// The key of a pixel's primary ray in frame 0.
-fn lots(pixel: UVec2) -> u32 {
+/// The key of the stochastic alpha of a pixel's primary ray in frame 0.
+fn alpha_key(pixel: UVec2) -> u32 {
     let camera = look(Vec3::ZERO, Vec3::X, 1.0);
     let frame = FrameConstants {
         camera,
@@ -73,7 +73,7 @@ fn judge(seen: &Seen, oracle: &Oracle, camera: Camera) -> Verdict {
     let mut verdict = Verdict::default();
     for i in 0..SIZE.element_product() {
         let pixel = UVec2::new(i % SIZE.x, i / SIZE.x);
-        let candidates = oracle.candidates(pixel, lots(pixel));
+        let candidates = oracle.candidates(pixel, alpha_key(pixel));
         let (shown, background) = possible(&candidates);
         verdict.open += usize::from(shown.len() + usize::from(background) != 1);
         let texel = seen.gbuffer[i as usize];
@@ -267,7 +267,7 @@ fn surfaces_are_those_of_rays() {
         });
         let clear = |i: &u32| {
             let pixel = UVec2::new(i % SIZE.x, i / SIZE.x);
-            let (shown, background) = possible(&oracle.candidates(pixel, lots(pixel)));
+            let (shown, background) = possible(&oracle.candidates(pixel, alpha_key(pixel)));
             shown.len() + usize::from(background) == 1
         };
         for i in (0..SIZE.element_product()).filter(clear) {

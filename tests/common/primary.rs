@@ -53,7 +53,7 @@ pub struct Candidate {
     pub distance: [f64; 2],
     /// Cosine of the angle that the triangle is seen at.
     pub cosine: f64,
-    /// The center is inside by more than the margin, and no lot decides.
+    /// The center is inside by more than the margin, and no stochastic alpha decides.
     pub sure: bool,
 }
 
@@ -153,7 +153,7 @@ impl Oracle {
         self.triangles.push(triangle);
     }
 
-    /// What the ray through the center of `pixel` meets, or passes within the margin; nearest first. `key`: its lots.
+    /// What the ray through the center of `pixel` meets, or passes within the margin; nearest first. `key`: of its stochastic alpha.
     pub fn candidates(&self, pixel: UVec2, key: u32) -> Vec<Candidate> {
         let shift = if self.planted == Planted::HalfPixel { DVec2::new(1.0, 0.5) } else { DVec2::splat(0.5) };
         let ndc = (pixel.as_dvec2() + shift) / self.size.as_dvec2() * 2.0 - 1.0;

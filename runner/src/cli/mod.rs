@@ -5,7 +5,6 @@ mod compare;
 mod explain;
 mod export;
 mod fixtures;
-mod floors;
 mod info;
 mod output;
 mod page;
@@ -14,6 +13,7 @@ mod progress;
 mod reference;
 mod render;
 mod report;
+mod roofline;
 mod sequence;
 mod sweep;
 mod view;
@@ -38,7 +38,7 @@ pub fn run() -> Result<()> {
         Command::Info(args) => info::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Sweep(args) => sweep::run(&args),
-        Command::Floors(args) => floors::run(&args),
+        Command::Roofline(args) => roofline::run(&args),
         Command::Report(args) => report::run(&args),
         Command::Export(args) => export::run(&args),
         Command::Explain(args) => explain::run(&args),

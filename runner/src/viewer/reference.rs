@@ -12,7 +12,7 @@ use shared::interface::PassConstants;
 use shared::passes::Pass;
 use shared::view::kind;
 
-/// Another seed than the frames': the same lots on both sides would hide an error.
+/// Another seed than the frames': the same random numbers on both sides would hide an error.
 const SEED: u32 = 0x5eed;
 
 pub struct Reference {

@@ -9,11 +9,11 @@ pub use knobs::{KnobArgs, choice};
 use super::compare::CompareArgs;
 use super::explain::ExplainArgs;
 use super::export::ExportArgs;
-use super::floors::FloorsArgs;
 use super::info::InfoArgs;
 use super::reference::ReferenceArgs;
 use super::render::RenderArgs;
 use super::report::ReportArgs;
+use super::roofline::RooflineArgs;
 use super::sweep::SweepArgs;
 use super::window::ViewArgs;
 use crate::error::Kind;
@@ -50,7 +50,8 @@ pub enum Command {
     /// Measure times and errors over scenes, lights and settings, and write a report.
     Sweep(SweepArgs),
     /// Measure the least that a frame's rays and bytes take on this device.
-    Floors(FloorsArgs),
+    #[command(alias = "floors")]
+    Roofline(RooflineArgs),
     /// Write the report of a sweep again, or the tables of a page.
     Report(ReportArgs),
     /// Write a scene for other programs: scene.json and PLY files (tools/mitsuba renders them with Mitsuba).
@@ -146,7 +147,7 @@ impl Cli {
             Some(Command::Reference(args)) => args.device.timings,
             Some(Command::Info(args)) => args.device.timings,
             Some(Command::Sweep(args)) => args.device.timings,
-            Some(Command::Floors(args)) => args.device.timings,
+            Some(Command::Roofline(args)) => args.device.timings,
             Some(Command::Explain(args)) => args.device.timings,
             _ => false,
         }

@@ -1,4 +1,4 @@
-//! `candela floors`: how fast this device traces the rays of a frame, and moves its bytes, without the frame around them.
+//! `candela roofline`: how fast this device traces the rays of a frame, and moves its bytes, without the frame around them.
 
 use super::args::values::parse_size;
 use super::args::{DeviceArgs, KnobArgs, SceneArgs};
@@ -13,7 +13,7 @@ use clap::Args;
 use glam::UVec2;
 
 #[derive(Args, Clone, Debug)]
-pub struct FloorsArgs {
+pub struct RooflineArgs {
     #[command(flatten)]
     pub scene: SceneArgs,
     /// Width x height in pixels.
@@ -35,7 +35,7 @@ pub struct FloorsArgs {
     pub json: bool,
 }
 
-pub fn run(args: &FloorsArgs) -> Result<()> {
+pub fn run(args: &RooflineArgs) -> Result<()> {
     let scene = view::load_scene(&args.scene)?;
     let camera = scene.camera(args.camera.as_deref())?.seen_in(args.size);
     let lights = LightTable::new(&scene);
