@@ -1,7 +1,7 @@
 //! Every knob of the estimator, a row each: [`crate::frame::Settings`], the settings document, the command line, the viewer's panel, the
 //! columns of a sweep and the table in docs/command-line.md follow from it. docs/adding-a-knob.md has an example.
 
-/// Gives `$with!` the rows, in the order in which they are shown everywhere, and after them those in `$host`: knobs of the host, which no
+/// Gives `$with!` the rows, in the order in which they are shown everywhere and stored for shaders, and after them those in `$host`: knobs of the host, which no
 /// shader reads.
 ///
 /// A row: `name -> field: kind = default`, then
@@ -21,10 +21,6 @@
 #[macro_export]
 macro_rules! knobs {
     ($with:ident { $($host:tt)* }) => { $with! { {
-        mode -> mode: choice(Mode, $crate::frame::mode::UNBIASED) = Unbiased,
-            label "Mode", about "How reused reservoirs are weighted",
-            higher "unbiased: the right mean, more rays", lower "biased: faster, too dark where neighbors disagree",
-            bias "this is the choice";
         candidates -> candidates: count(1..=1024, Doubled) = 32,
             label "Light samples", about "Light candidates of each reservoir, which keeps one of them",
             higher "less noise; time grows with it", lower "faster, noisier", bias "none";
@@ -33,14 +29,6 @@ macro_rules! knobs {
             about "Candidates of each reservoir that rays along the reflectance find, where triangles or an environment shine",
             higher "less noise in smooth surfaces; a ray each", lower "faster; 0: mirrors show specks",
             bias "none; they act with visibility reuse only";
-        // 4096 as measured on an H100 (docs/performance.md): equal at 500 lights, faster from some thousands on.
-        tiles -> tiles: auto(4096) = Auto,
-            label "Light tiles", about "Draw light candidates from small presampled lists",
-            higher "faster with very many lights", lower "each pixel draws from all lights",
-            bias "none; neighboring pixels share candidates";
-        reservoirs -> reservoirs: count(1..=4, One) = 1,
-            label "Reservoirs", about "Independent reservoirs of each pixel, averaged by shading",
-            higher "less noise; time and memory grow with it", lower "faster", bias "none";
         // Bitterli et al. 2020, Alg. 5.
         visibility -> visibility_reuse: switch() = true,
             label "Visibility reuse", about "Test the survivor's visibility before it is reused",
@@ -51,18 +39,10 @@ macro_rules! knobs {
             label "Temporal reuse", about "Reuse the reservoir that this surface had in the previous frame",
             higher "the samples of many frames for the price of one", lower "every frame by itself",
             bias "biased mode: some where surfaces come into view; unbiased: none";
-        // 20 as in Bitterli et al. 2020.
-        confidence_cap -> confidence_cap: number(1.0..=100.0, 5.0) = 20.0,
-            label "Confidence cap", about "The most that a history weighs", unit "times the light candidates",
-            higher "smoother, slower to follow changes", lower "follows changes at once, noisier",
-            bias "none in the mean; errors of neighboring frames are alike";
         spatial -> spatial: switch() = true,
             label "Spatial reuse", about "Reuse the reservoirs of neighboring pixels",
             higher "many times the samples; noise turns into blotches", lower "every pixel by itself",
             bias "biased mode darkens where neighbors see other lights; unbiased: none";
-        pairs -> pairs: switch() = true,
-            label "Pairs", about "Merge pairs of pixels that chose each other, not `neighbors`; acts in unbiased mode",
-            higher "one ray a pixel and pass", lower "several neighbors, two rays", bias "none";
         iterations -> spatial_iterations: count(1..=8, One) = 1,
             label "Spatial iterations", about "Spatial passes",
             higher "samples come from further away; time grows with it", lower "faster",
@@ -84,5 +64,25 @@ macro_rules! knobs {
             label "Normal threshold", about "Largest angle between normals of neighbors", unit "degrees",
             higher "more neighbors pass, also around corners", lower "fewer neighbors, more alike",
             bias "biased mode: grows with it; unbiased: none";
+        // 20 as in Bitterli et al. 2020.
+        confidence_cap -> confidence_cap: number(1.0..=100.0, 5.0) = 20.0,
+            label "Confidence cap", about "The most that a history weighs", unit "times the light candidates",
+            higher "smoother, slower to follow changes", lower "follows changes at once, noisier",
+            bias "none in the mean; errors of neighboring frames are alike";
+        reservoirs -> reservoirs: count(1..=4, One) = 1,
+            label "Reservoirs", about "Independent reservoirs of each pixel, averaged by shading",
+            higher "less noise; time and memory grow with it", lower "faster", bias "none";
+        mode -> mode: choice(Mode, $crate::frame::mode::UNBIASED) = Unbiased,
+            label "Mode", about "How reused reservoirs are weighted",
+            higher "unbiased: the right mean, more rays", lower "biased: faster, too dark where neighbors disagree",
+            bias "this is the choice";
+        // 4096 as measured on an H100 (docs/performance.md): equal at 500 lights, faster from some thousands on.
+        tiles -> tiles: auto(4096) = Auto,
+            label "Light tiles", about "Draw light candidates from small presampled lists",
+            higher "faster with very many lights", lower "each pixel draws from all lights",
+            bias "none; neighboring pixels share candidates";
+        pairs -> pairs: switch() = true,
+            label "Pairs", about "Merge pairs of pixels that chose each other, not `neighbors`; acts in unbiased mode",
+            higher "one ray a pixel and pass", lower "several neighbors, two rays", bias "none";
     } { $($host)* } } };
 }

@@ -52,7 +52,7 @@ fn every_knob_can_be_typed() {
     assert!(base.options(&base).is_empty());
     let off = Knobs { visibility: false, tiles: Auto::Off, ..base.clone() };
     assert_eq!(base.options(&Knobs { tiles: Auto::Auto, ..off.clone() }), ["--visibility"]);
-    assert_eq!(off.options(&base), ["--no-tiles", "--no-visibility"]);
+    assert_eq!(off.options(&base), ["--no-visibility", "--no-tiles"]);
 }
 
 #[test]
