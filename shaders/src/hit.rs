@@ -73,50 +73,33 @@ impl Transparency<'_> {
     }
 }
 
-/// A masked or blended triangle before a primary ray.
-#[spirv(any_hit(entry_point_name = "primary_any_hit"))]
-pub fn primary_any_hit(
-    #[spirv(incoming_ray_payload)] payload: &mut HitPayload,
-    #[spirv(hit_attribute)] barycentrics: &Vec2,
-    #[spirv(instance_custom_index)] instance: usize,
-    #[spirv(ray_geometry_index)] geometry: usize,
-    #[spirv(primitive_id)] primitive: usize,
-    #[spirv(spec_constant(id = 0, default = 0))] features: u32,
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] instances: &[InstanceGeometry],
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] attributes: &[VertexAttributes],
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 4)] indices: &[u32],
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 5)] materials: &[Material],
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 8)] second_uvs: &[Vec2],
-    #[spirv(descriptor_set = 0, binding = 10)] textures: &Textures,
-) {
-    let scene = Transparency { features, instances, attributes, indices, materials, second_uvs };
-    let instance = (instance + geometry) as u32;
-    if scene.lets_through(textures, instance, primitive as u32, *barycentrics, payload.key) {
-        // SAFETY: this is an any-hit shader.
-        unsafe { ignore_intersection() }
-    }
+/// An any-hit shader of rays with this payload: a masked or blended triangle lets them pass or not.
+macro_rules! any_hit {
+    ($stem:ident $name:tt $payload:ty) => {
+        #[spirv(any_hit(entry_point_name = $name))]
+        pub fn $stem(
+            #[spirv(incoming_ray_payload)] payload: &mut $payload,
+            #[spirv(hit_attribute)] barycentrics: &Vec2,
+            #[spirv(instance_custom_index)] instance: usize,
+            #[spirv(ray_geometry_index)] geometry: usize,
+            #[spirv(primitive_id)] primitive: usize,
+            #[spirv(spec_constant(id = 0, default = 0))] features: u32,
+            #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] instances: &[InstanceGeometry],
+            #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] attributes: &[VertexAttributes],
+            #[spirv(storage_buffer, descriptor_set = 0, binding = 4)] indices: &[u32],
+            #[spirv(storage_buffer, descriptor_set = 0, binding = 5)] materials: &[Material],
+            #[spirv(storage_buffer, descriptor_set = 0, binding = 8)] second_uvs: &[Vec2],
+            #[spirv(descriptor_set = 0, binding = 10)] textures: &Textures,
+        ) {
+            let scene = Transparency { features, instances, attributes, indices, materials, second_uvs };
+            let instance = (instance + geometry) as u32;
+            if scene.lets_through(textures, instance, primitive as u32, *barycentrics, payload.key) {
+                // SAFETY: this is an any-hit shader.
+                unsafe { ignore_intersection() }
+            }
+        }
+    };
 }
 
-/// A masked or blended triangle before a shadow ray.
-#[spirv(any_hit(entry_point_name = "shadow_any_hit"))]
-pub fn shadow_any_hit(
-    #[spirv(incoming_ray_payload)] payload: &mut ShadowPayload,
-    #[spirv(hit_attribute)] barycentrics: &Vec2,
-    #[spirv(instance_custom_index)] instance: usize,
-    #[spirv(ray_geometry_index)] geometry: usize,
-    #[spirv(primitive_id)] primitive: usize,
-    #[spirv(spec_constant(id = 0, default = 0))] features: u32,
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] instances: &[InstanceGeometry],
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] attributes: &[VertexAttributes],
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 4)] indices: &[u32],
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 5)] materials: &[Material],
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 8)] second_uvs: &[Vec2],
-    #[spirv(descriptor_set = 0, binding = 10)] textures: &Textures,
-) {
-    let scene = Transparency { features, instances, attributes, indices, materials, second_uvs };
-    let instance = (instance + geometry) as u32;
-    if scene.lets_through(textures, instance, primitive as u32, *barycentrics, payload.key) {
-        // SAFETY: this is an any-hit shader.
-        unsafe { ignore_intersection() }
-    }
-}
+any_hit!(primary_any_hit "primary_any_hit" HitPayload);
+any_hit!(shadow_any_hit "shadow_any_hit" ShadowPayload);

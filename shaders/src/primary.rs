@@ -90,58 +90,52 @@ impl Scene<'_> {
     }
 }
 
-/// The direction of this pixel's ray, unit.
-fn direction(at: At<'_>) -> Vec3 {
-    at.frame.camera.direction(at.pixel.as_vec2() + 0.5, at.frame.size)
+/// A body that gives the G-buffer's texel and the radiance that needs no lighting (emission, background): `$hit` is what
+/// the pixel's ray meets.
+macro_rules! sees {
+    ($(#[$doc:meta])* $name:ident($($first:ident: $first_type:ty)?; $($last:ident: $last_type:ty)?)
+        |$at:ident, $scene:ident, $direction:ident| $hit:expr) => {
+        $(#[$doc])*
+        pub fn $name(
+            $at: At<'_>,
+            $($first: $first_type,)?
+            instances: &[InstanceGeometry],
+            positions: &[Vec3],
+            attributes: &[VertexAttributes],
+            indices: &[u32],
+            materials: &[Material],
+            second_uvs: &[Vec2],
+            environment: &[EnvironmentTexel],
+            textures: &Textures,
+            $($last: $last_type,)?
+        ) -> (GBufferTexel, Vec3) {
+            let (frame, features) = ($at.frame, $at.features);
+            let $direction = frame.camera.direction($at.pixel.as_vec2() + 0.5, frame.size);
+            let $scene =
+                Scene { features, instances, positions, attributes, indices, materials, second_uvs, environment };
+            match $hit {
+                None => $scene.background(frame, $direction),
+                Some(hit) => $scene.surface(textures, frame, $direction, hit),
+            }
+        }
+    };
 }
 
-/// What each pixel sees, by a ray: the G-buffer, and the radiance that needs no lighting (emission, background).
-pub fn gbuffer(
-    at: At<'_>,
-    eye: Eye<'_>,
-    instances: &[InstanceGeometry],
-    positions: &[Vec3],
-    attributes: &[VertexAttributes],
-    indices: &[u32],
-    materials: &[Material],
-    second_uvs: &[Vec2],
-    environment: &[EnvironmentTexel],
-    textures: &Textures,
-) -> (GBufferTexel, Vec3) {
-    let (frame, features, direction) = (at.frame, at.features, direction(at));
-    let scene =
-        Scene { features, instances, positions, attributes, indices, materials, second_uvs, environment };
-    let key = alpha::primary_key(frame, at.pixel);
-    let met = eye.trace(features, frame.camera.position, direction, key);
-    if met.hit == 0 {
-        scene.background(frame, direction)
-    } else {
+sees! {
+    /// What each pixel sees, by a ray.
+    gbuffer(eye: Eye<'_>;) |at, scene, direction| {
+        let key = alpha::primary_key(at.frame, at.pixel);
+        let met = eye.trace(scene.features, at.frame.camera.position, direction, key);
         let HitPayload { instance, primitive, barycentrics, .. } = met;
-        scene.surface(textures, frame, direction, Hit { instance, primitive, barycentrics })
+        (met.hit != 0).then_some(Hit { instance, primitive, barycentrics })
     }
 }
 
-/// The same, from the triangle that `visibility` has drawn there.
-pub fn gbuffer_raster(
-    at: At<'_>,
-    instances: &[InstanceGeometry],
-    positions: &[Vec3],
-    attributes: &[VertexAttributes],
-    indices: &[u32],
-    materials: &[Material],
-    second_uvs: &[Vec2],
-    environment: &[EnvironmentTexel],
-    textures: &Textures,
-    visibility: &[UVec2],
-) -> (GBufferTexel, Vec3) {
-    let (frame, features, direction) = (at.frame, at.features, direction(at));
-    let scene =
-        Scene { features, instances, positions, attributes, indices, materials, second_uvs, environment };
-    match raster::triangle(visibility[at.index(Extent::Pixels)]) {
-        None => scene.background(frame, direction),
-        Some((instance, primitive)) => {
-            scene.surface(textures, frame, direction, scene.hit(frame, direction, instance, primitive))
-        }
+sees! {
+    /// The same, from the triangle that `visibility` has drawn there.
+    gbuffer_raster(; visibility: &[UVec2]) |at, scene, direction| {
+        let seen = raster::triangle(visibility[at.index(Extent::Pixels)]);
+        seen.map(|(instance, primitive)| scene.hit(at.frame, direction, instance, primitive))
     }
 }
 
