@@ -131,3 +131,10 @@ fn frames_are_a_number_or_a_range() {
     assert_eq!(render("-o a.png --frames 3").unwrap().frames, Frames::Still(3));
     assert_eq!(render("-o a.png --frames 10..20").unwrap().frames, Frames::Sequence(10..20));
 }
+
+#[test]
+fn pixels_are_two_counts() {
+    for line in [["-1", "0"].as_slice(), &["5"]] {
+        assert!(Cli::try_parse_from(["candela", "explain"].iter().chain(line)).is_err(), "{line:?}");
+    }
+}
