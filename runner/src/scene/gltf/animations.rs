@@ -1,15 +1,14 @@
 //! Animations -> the scene's moving nodes and their curves.
 
+use super::accessors::Integers;
 use super::nodes::Placed;
 use super::warnings::Warnings;
 use super::{Reason, accessors, label};
 use crate::scene::animation::{Animation, Channel, Curve, Interpolation, Node, Track};
 use glam::{DAffine3, DVec3, DVec4};
 use gltf::Document;
-use gltf::accessor::DataType::{F32, I8, I16, U8, U16};
 use gltf::accessor::Dimensions;
 use gltf::animation::Property;
-use gltf::animation::util::ReadOutputs;
 use std::collections::{HashMap, HashSet};
 
 /// What moves, and for each of `nodes` which of the animation's nodes it is.
@@ -19,14 +18,14 @@ pub struct Motion {
 }
 
 /// All animations of the file, played together; of two that move the same property of a node, the first.
-/// Errors name the animation, its channel and what is wrong with it.
+/// A channel that can't be played is left out with a warning.
 pub fn read(
     document: &Document,
     nodes: &[Placed],
     origin: DVec3,
     buffers: &[Vec<u8>],
     warnings: &mut Warnings,
-) -> Reason<Motion> {
+) -> Motion {
     let place: HashMap<usize, usize> = nodes.iter().enumerate().map(|(i, p)| (p.node.index(), i)).collect();
     let mut curves = Vec::new();
     let mut taken = HashSet::new();
@@ -40,17 +39,22 @@ pub fn read(
                 warnings.add("morph targets are not animated", &label);
                 continue;
             }
-            let curve = curve(&channel, buffers).map_err(|reason| format!("{label}: {reason}"))?;
             let Some(&placed) = place.get(&node.index()) else {
                 warnings.add("moves a node outside of the scene", &label);
                 continue;
             };
-            if matches!(node.transform(), gltf::scene::Transform::Matrix { .. }) {
-                let node = &nodes[placed].label;
-                return Err(format!(
-                    "{label}: {node} has a matrix; only translation, rotation, scale can move"
-                ));
-            }
+            let curve = if matches!(node.transform(), gltf::scene::Transform::Matrix { .. }) {
+                Err("its node has a matrix; only translation, rotation, scale can move".into())
+            } else {
+                curve(&channel, buffers, &label, warnings)
+            };
+            let curve = match curve {
+                Ok(curve) => curve,
+                Err(reason) => {
+                    warnings.add("not played", &format!("{label}: {reason}"));
+                    continue;
+                }
+            };
             if taken.insert((placed, property as u32)) {
                 curves.push((placed, curve));
             } else {
@@ -62,7 +66,7 @@ pub fn read(
 }
 
 /// Keeps the nodes that move by themselves or with a parent; the worlds of all others are folded into them.
-fn motion(nodes: &[Placed], origin: DVec3, curves: Vec<(usize, Curve)>) -> Reason<Motion> {
+fn motion(nodes: &[Placed], origin: DVec3, curves: Vec<(usize, Curve)>) -> Motion {
     let animated: HashSet<usize> = curves.iter().map(|&(placed, _)| placed).collect();
     let mut animation = Animation::default();
     let mut of_placed: Vec<Option<usize>> = vec![None; nodes.len()];
@@ -79,36 +83,42 @@ fn motion(nodes: &[Placed], origin: DVec3, curves: Vec<(usize, Curve)>) -> Reaso
     }
     let channel = |(placed, curve): (usize, Curve)| of_placed[placed].map(|node| Channel { node, curve });
     animation.channels = curves.into_iter().filter_map(channel).collect();
-    Ok(Motion { animation, of_placed })
+    Motion { animation, of_placed }
 }
 
-fn curve(channel: &gltf::animation::Channel, buffers: &[Vec<u8>]) -> Reason<Curve> {
+fn curve(
+    channel: &gltf::animation::Channel,
+    buffers: &[Vec<u8>],
+    label: &str,
+    warnings: &mut Warnings,
+) -> Reason<Curve> {
     let sampler = channel.sampler();
-    let outputs: &[_] = match channel.target().property() {
-        Property::Rotation => &[F32, I8, U8, I16, U16].map(|data| (Dimensions::Vec4, data)),
-        _ => &[(Dimensions::Vec3, F32)],
-    };
-    accessors::check(&sampler.input(), &[(Dimensions::Scalar, F32)], buffers)
-        .map_err(|reason| format!("times: {reason}"))?;
-    accessors::check(&sampler.output(), outputs, buffers).map_err(|reason| format!("values: {reason}"))?;
     let interpolation = match sampler.interpolation() {
         gltf::animation::Interpolation::Step => Interpolation::Step,
         gltf::animation::Interpolation::Linear => Interpolation::Linear,
         gltf::animation::Interpolation::CubicSpline => Interpolation::CubicSpline,
     };
-    let reader = channel.reader(|buffer| buffers.get(buffer.index()).map(Vec::as_slice));
-    let times: Vec<f32> = reader.read_inputs().into_iter().flatten().collect();
-    check_times(&times)?;
-    let vec3 = |v: [f32; 3]| DVec3::from(v.map(f64::from));
-    Ok(match reader.read_outputs().ok_or("has no values")? {
-        ReadOutputs::Translations(values) => {
-            Curve::Translation(track(interpolation, times, values.map(vec3).collect(), |v| v.is_finite())?)
+    let times = accessors::floats(&sampler.input(), &[Dimensions::Scalar], Integers::None, buffers)
+        .map_err(|reason| format!("times: {reason}"))?;
+    let times: Vec<f32> = times.into_iter().map(|[time]| time).collect();
+    if check_times(&times)? {
+        warnings.add("several keys at one time: the last one counts", label);
+    }
+    let vectors = || {
+        let values = accessors::floats(&sampler.output(), &[Dimensions::Vec3], Integers::None, buffers)
+            .map_err(|reason| format!("values: {reason}"))?;
+        Reason::Ok(values.into_iter().map(|v| DVec3::from(v.map(f64::from))).collect())
+    };
+    Ok(match channel.target().property() {
+        Property::Translation => {
+            Curve::Translation(track(interpolation, times, vectors()?, |v| v.is_finite())?)
         }
-        ReadOutputs::Scales(values) => {
-            Curve::Scale(track(interpolation, times, values.map(vec3).collect(), |v| v.is_finite())?)
-        }
-        ReadOutputs::Rotations(values) => {
-            let values: Vec<_> = values.into_f32().map(|q| DVec4::from(q.map(f64::from))).collect();
+        Property::Scale => Curve::Scale(track(interpolation, times, vectors()?, |v| v.is_finite())?),
+        Property::Rotation => {
+            let values =
+                accessors::floats(&sampler.output(), &[Dimensions::Vec4], Integers::Normalized, buffers)
+                    .map_err(|reason| format!("values: {reason}"))?;
+            let values = values.into_iter().map(|q| DVec4::from(q.map(f64::from))).collect();
             let mut track = track(interpolation, times, values, |v| v.is_finite())?;
             let cubic = interpolation == Interpolation::CubicSpline;
             for (i, value) in track.values.iter_mut().enumerate() {
@@ -120,19 +130,18 @@ fn curve(channel: &gltf::animation::Channel, buffers: &[Vec<u8>]) -> Reason<Curv
             }
             Curve::Rotation(track)
         }
-        ReadOutputs::MorphTargetWeights(_) => return Err("morph targets are not animated".into()),
+        Property::MorphTargetWeights => return Err("morph targets are not animated".into()),
     })
 }
 
-fn check_times(times: &[f32]) -> Reason<()> {
+/// Are there equal ones? Errors: those that are no times, or not in order.
+fn check_times(times: &[f32]) -> Reason<bool> {
     if let Some(key) = times.iter().position(|t| !(t.is_finite() && *t >= 0.0)) {
         return Err(format!("key {key}: {} s is no time", times[key]));
     }
-    match times.windows(2).position(|pair| pair[1] <= pair[0]) {
-        None => Ok(()),
-        Some(i) => {
-            Err(format!("key {} at {} s does not come after key {i} at {} s", i + 1, times[i + 1], times[i]))
-        }
+    match times.windows(2).position(|pair| pair[1] < pair[0]) {
+        None => Ok(times.windows(2).any(|pair| pair[1] == pair[0])),
+        Some(i) => Err(format!("key {} at {} s comes before key {i} at {} s", i + 1, times[i + 1], times[i])),
     }
 }
 

@@ -1,160 +1,186 @@
-//! The container: the bytes of a .gltf or .glb file -> a validated document and its buffers.
+//! The bytes of a .gltf or .glb file -> a document that is sound, and its buffers.
 
-use super::{Reason, label, uri};
-use gltf::mesh::Semantic;
-use gltf::{Document, Gltf};
+use super::shape::{Kind, Mender, Shape};
+use super::warnings::Warnings;
+use super::{Reason, compressed, container, extensions, schema, uri};
+use gltf::Document;
+use serde_json::{Map, Value, json};
+use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
-/// Extensions that are drawn, at least approximately: a file may require them.
-pub const SUPPORTED_EXTENSIONS: &[&str] = &[
-    "KHR_lights_punctual",
-    "KHR_materials_emissive_strength",
-    "KHR_materials_ior",
-    "KHR_materials_pbrSpecularGlossiness",
-    "KHR_materials_unlit",
-    "KHR_texture_transform",
+/// What a file holds.
+pub struct Parsed {
+    /// Each index is in range, each code is known; what its accessors ask of the bytes is not checked.
+    pub document: Document,
+    pub buffers: Vec<Vec<u8>>,
+    /// Nodes that can't be drawn, by index, each with a reason.
+    pub broken_nodes: HashMap<usize, String>,
+    /// Integers may stand for coordinates (KHR_mesh_quantization).
+    pub quantized: bool,
+}
+
+/// Parses `bytes` and reads the buffers that are used; external ones are relative to `base`.
+pub fn parse(bytes: &[u8], base: &Path, warnings: &mut Warnings) -> Reason<Parsed> {
+    let (mut json, chunk) = container::open(bytes)?;
+    let [used, required] = ["extensionsUsed", "extensionsRequired"].map(|name| names(&json[name]));
+    extensions::check(&used, &required, warnings)?;
+    let mut mender = Mender::new(warnings);
+    let mut root = Map::new();
+    root.insert("asset".into(), json!({"version": "2.0"}));
+    for (kind, name, _) in TABLES {
+        mender.count(kind, table(&mut json, name).and_then(|list| list.as_array()).map_or(0, Vec::len));
+    }
+    let (mut buffers, mut broken_views) = (Vec::new(), HashMap::new());
+    for (kind, name, shape) in TABLES {
+        let Some(mut list) = table(&mut json, name).map(Value::take).filter(|list| !list.is_null()) else {
+            continue;
+        };
+        if let Err(reason) = mender.mend(&mut list, &Shape::Table(kind, shape), name) {
+            mender.ignore(&format!("{name}: {reason}"));
+            continue;
+        }
+        match kind {
+            Kind::Buffer => {
+                buffers = read_buffers(&list, &json["bufferViews"], base, chunk, &mut mender);
+                broken_views =
+                    compressed::decode(&mut json["bufferViews"], &mut list, &mut buffers, &mut mender);
+                mender.recount(Kind::Buffer, buffers.len());
+            }
+            Kind::View => {
+                check_views(root.get("buffers"), &list, &buffers, &mut mender);
+                broken_views.drain().for_each(|(i, reason)| mender.mark(Kind::View, i, reason));
+            }
+            Kind::Scene => root.extend(scene(&json, &list, &mut mender)?),
+            _ => {}
+        }
+        match kind {
+            Kind::Light => {
+                root.insert("extensions".into(), json!({"KHR_lights_punctual": {"lights": list}}));
+            }
+            _ => _ = root.insert(name.into(), list),
+        }
+    }
+    let broken_nodes = mender.broken(Kind::Node);
+    add_scene(&mut root, warnings);
+    let root =
+        serde_json::from_value(Value::Object(root)).map_err(|error| format!("broken JSON: {error}"))?;
+    let document = Document::from_json_without_validation(root);
+    let quantized = used.iter().chain(&required).any(|name| name == "KHR_mesh_quantization");
+    Ok(Parsed { document, buffers, broken_nodes, quantized })
+}
+
+/// The lists of things; each kind comes after those that it names.
+const TABLES: [(Kind, &str, &Shape); 14] = [
+    (Kind::Buffer, "buffers", &schema::BUFFER),
+    (Kind::View, "bufferViews", &schema::VIEW),
+    (Kind::Accessor, "accessors", &schema::ACCESSOR),
+    (Kind::Image, "images", &schema::IMAGE),
+    (Kind::Sampler, "samplers", &schema::SAMPLER),
+    (Kind::Texture, "textures", &schema::TEXTURE),
+    (Kind::Material, "materials", &schema::MATERIAL),
+    (Kind::Camera, "cameras", &schema::CAMERA),
+    (Kind::Light, "lights", &schema::LIGHT),
+    (Kind::Mesh, "meshes", &schema::MESH),
+    (Kind::Skin, "skins", &schema::SKIN),
+    (Kind::Node, "nodes", &schema::NODE),
+    (Kind::Scene, "scenes", &schema::SCENE),
+    (Kind::Animation, "animations", &schema::ANIMATION),
 ];
 
-/// Parses `bytes` and reads all buffers; external ones are relative to `base`. Each index of the document is in
-/// range afterwards, but not yet the bytes that its accessors stand for.
-pub fn parse(bytes: &[u8], base: &Path) -> Reason<(Document, Vec<Vec<u8>>)> {
-    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-    check_container(bytes)?;
-    let Gltf { document, blob } = Gltf::from_slice_without_validation(bytes).map_err(describe)?;
-    let root = document.into_json();
-    check_version(&root.asset)?;
-    check_extensions(&root)?;
-    check_position_accessors(&root)?;
-    check_nodes(&root)?;
-    check_animations(&root)?;
-    let document = Document::from_json(root).map_err(describe)?;
-    let buffers = read_buffers(&document, base, blob)?;
-    Ok((document, buffers))
-}
-
-/// Tells what is no glTF at all, and catches what the parser takes for granted.
-fn check_container(bytes: &[u8]) -> Reason<()> {
-    if let Some(header) = bytes.strip_prefix(b"glTF") {
-        let length = header.get(4..8).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]));
-        return match length {
-            Some(length) if length >= 12 => Ok(()),
-            _ => Err("binary glTF with a broken header".into()),
-        };
-    }
-    match bytes.iter().find(|byte| !byte.is_ascii_whitespace()) {
-        Some(b'{') => Ok(()),
-        _ => Err("no glTF: neither JSON nor binary glTF (wrong magic)".into()),
+fn table<'j>(json: &'j mut Value, name: &str) -> Option<&'j mut Value> {
+    match name {
+        "lights" => json.get_mut("extensions")?.get_mut("KHR_lights_punctual")?.get_mut(name),
+        _ => json.get_mut(name),
     }
 }
 
-fn check_version(asset: &gltf::json::Asset) -> Reason<()> {
-    let version = asset.min_version.as_ref().unwrap_or(&asset.version);
-    let known = if asset.min_version.is_some() { version == "2.0" } else { version.starts_with("2.") };
-    if known { Ok(()) } else { Err(format!("glTF version {version}; only 2.0 can be read")) }
+fn names(list: &Value) -> Vec<String> {
+    list.as_array().into_iter().flatten().filter_map(Value::as_str).map(str::to_owned).collect()
 }
 
-fn check_extensions(root: &gltf::json::Root) -> Reason<()> {
-    let unknown: Vec<&str> = root
-        .extensions_required
-        .iter()
-        .map(String::as_str)
-        .filter(|name| !SUPPORTED_EXTENSIONS.contains(name))
-        .collect();
-    if unknown.is_empty() {
-        return Ok(());
+/// The property that names the scene that is drawn: by default the first. Error: it is broken.
+fn scene(json: &Value, scenes: &Value, mender: &mut Mender) -> Reason<Option<(String, Value)>> {
+    if scenes.as_array().is_none_or(Vec::is_empty) {
+        return Ok(None);
     }
-    Err(format!("requires {}, which is not supported; export the scene without", unknown.join(", ")))
+    let mut index = json.get("scene").cloned().filter(|scene| !scene.is_null()).unwrap_or(json!(0));
+    mender.mend(&mut index, &Shape::Index(Kind::Scene), "scene")?;
+    Ok(Some(("scene".into(), index)))
 }
 
-/// The validation of the gltf crate looks at the bounds of each POSITION accessor before it has checked its index.
-fn check_position_accessors(root: &gltf::json::Root) -> Reason<()> {
-    let positions = gltf::json::validation::Checked::Valid(Semantic::Positions);
-    for (m, mesh) in root.meshes.iter().enumerate() {
-        for (p, primitive) in mesh.primitives.iter().enumerate() {
-            if let Some(index) = primitive.attributes.get(&positions)
-                && index.value() >= root.accessors.len()
-            {
-                let (index, count) = (index.value(), root.accessors.len());
-                return Err(format!(
-                    "meshes[{m}].primitives[{p}]: accessor {index} of {count} does not exist"
-                ));
-            }
-        }
-    }
-    Ok(())
+/// A file without scenes is a library: gives it one of all its nodes that have no parent.
+fn add_scene(root: &mut Map<String, Value>, warnings: &mut Warnings) {
+    let nodes = root.get("nodes").and_then(Value::as_array);
+    let scenes = root.get("scenes").and_then(Value::as_array);
+    let (Some(nodes), true) = (nodes, scenes.is_none_or(Vec::is_empty)) else { return };
+    let children = nodes.iter().filter_map(|node| node.get("children")?.as_array()).flatten();
+    let children: HashSet<u64> = children.filter_map(Value::as_u64).collect();
+    let parentless: Vec<u64> = (0..nodes.len() as u64).filter(|node| !children.contains(node)).collect();
+    warnings.add("no scene in the file, so all of it is drawn", &format!("{} nodes", nodes.len()));
+    root.insert("scenes".into(), json!([{"nodes": parentless}]));
 }
 
-fn exists(what: &str, index: usize, count: usize) -> Reason<()> {
-    match index < count {
-        true => Ok(()),
-        false => Err(format!("{what} {index} of {count} does not exist")),
-    }
-}
-
-/// The validation of the gltf crate would not say which node it is by name, nor how many there are of what it asks for.
-fn check_nodes(root: &gltf::json::Root) -> Reason<()> {
-    for (n, node) in root.nodes.iter().enumerate() {
-        let mesh = node.mesh.map_or(Ok(()), |mesh| exists("mesh", mesh.value(), root.meshes.len()));
-        let camera =
-            node.camera.map_or(Ok(()), |camera| exists("camera", camera.value(), root.cameras.len()));
-        let mut children = node.children.iter().flatten();
-        mesh.and(camera)
-            .and_then(|()| {
-                children.try_for_each(|child| exists("child node", child.value(), root.nodes.len()))
-            })
-            .map_err(|reason| format!("{}: {reason}", label("node", n, node.name.as_deref())))?;
-    }
-    Ok(())
-}
-
-/// The validation of the gltf crate does not look at all indices of animations.
-fn check_animations(root: &gltf::json::Root) -> Reason<()> {
-    for (a, animation) in root.animations.iter().enumerate() {
-        for (c, channel) in animation.channels.iter().enumerate() {
-            exists("node", channel.target.node.value(), root.nodes.len())
-                .and_then(|()| exists("sampler", channel.sampler.value(), animation.samplers.len()))
-                .map_err(|reason| format!("animations[{a}].channels[{c}]: {reason}"))?;
-        }
-        for (s, sampler) in animation.samplers.iter().enumerate() {
-            exists("accessor", sampler.input.value(), root.accessors.len())
-                .and_then(|()| exists("accessor", sampler.output.value(), root.accessors.len()))
-                .map_err(|reason| format!("animations[{a}].samplers[{s}]: {reason}"))?;
-        }
-    }
-    Ok(())
-}
-
-fn describe(error: gltf::Error) -> String {
-    match error {
-        gltf::Error::Deserialize(error) => format!("broken JSON: {error}"),
-        gltf::Error::Binary(error) => format!("broken binary glTF: {error}"),
-        gltf::Error::Validation(errors) => match errors.as_slice() {
-            [] => "invalid glTF".into(),
-            [(path, error)] => format!("{path}: {error}"),
-            [(path, error), rest @ ..] => format!("{path}: {error} (and {} more faults)", rest.len()),
-        },
-        other => other.to_string(),
-    }
-}
-
-fn read_buffers(document: &Document, base: &Path, mut blob: Option<Vec<u8>>) -> Reason<Vec<Vec<u8>>> {
+/// The bytes of those buffers that a view looks at; the others are empty.
+fn read_buffers(
+    list: &Value,
+    views: &Value,
+    base: &Path,
+    mut chunk: Option<&[u8]>,
+    mender: &mut Mender,
+) -> Vec<Vec<u8>> {
+    // Views are not mended yet: what is no number names no buffer.
+    let buffer = |view: &Value| compressed::of(view).unwrap_or(view).get("buffer")?.as_f64();
+    let used: HashSet<u64> = elements(views).iter().filter_map(buffer).map(|n| n as u64).collect();
     let mut buffers = Vec::new();
-    for buffer in document.buffers() {
-        let (data, source) = match buffer.source() {
-            gltf::buffer::Source::Bin => {
-                (blob.take().ok_or("no uri, and no binary chunk left".to_owned()), String::new())
-            }
-            gltf::buffer::Source::Uri(uri) => (uri::read(uri, base), format!(" ('{}')", uri::label(uri))),
+    for (i, buffer) in elements(list).iter().enumerate() {
+        let uri = buffer.get("uri").and_then(Value::as_str);
+        let data = match uri {
+            _ if !used.contains(&(i as u64)) => Ok(Vec::new()),
+            Some(uri) => uri::read(uri, base),
+            None => chunk.take().map(<[u8]>::to_vec).ok_or("no uri, and no binary chunk left".to_owned()),
         };
-        let index = buffer.index();
-        let mut data = data.map_err(|reason| format!("buffer {index}: {reason}"))?;
-        if data.len() < buffer.length() {
-            let (has, needs) = (data.len(), buffer.length());
-            return Err(format!("buffer {index}{source} is too short: {has} bytes instead of {needs}"));
-        }
+        let mut data = data.unwrap_or_else(|reason| {
+            mender.mark(Kind::Buffer, i, reason);
+            Vec::new()
+        });
         // What is behind the declared length (padding) must not be reachable.
-        data.truncate(buffer.length());
+        data.truncate(usize::try_from(number(buffer, "byteLength")).unwrap_or(usize::MAX));
         buffers.push(data);
     }
-    Ok(buffers)
+    buffers
+}
+
+/// Each view must lie inside of its buffer.
+fn check_views(list: Option<&Value>, views: &Value, buffers: &[Vec<u8>], mender: &mut Mender) {
+    for (i, view) in elements(views).iter().enumerate() {
+        let buffer = number(view, "buffer") as usize;
+        let end = number(view, "byteOffset").checked_add(number(view, "byteLength"));
+        let has = buffers.get(buffer).map_or(0, Vec::len) as u64;
+        if end.is_none_or(|end| end > has) {
+            let buffer_json = list.and_then(|list| list.get(buffer)).unwrap_or(&Value::Null);
+            let source =
+                buffer_json.get("uri").and_then(Value::as_str).map(|uri| format!(" ('{}')", uri::label(uri)));
+            let source = source.unwrap_or_default();
+            let needs = number(buffer_json, "byteLength");
+            let short = if needs > has {
+                format!(", which is too short: {has} bytes instead of {needs}")
+            } else {
+                String::new()
+            };
+            mender.mark(
+                Kind::View,
+                i,
+                format!("it reaches past buffer {buffer}{source} of {has} bytes{short}"),
+            );
+        }
+    }
+}
+
+fn elements(list: &Value) -> &[Value] {
+    list.as_array().map_or(&[], Vec::as_slice)
+}
+
+/// A whole number, 0 if it is missing.
+fn number(object: &Value, name: &str) -> u64 {
+    object.get(name).and_then(Value::as_u64).unwrap_or_default()
 }

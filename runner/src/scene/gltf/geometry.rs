@@ -1,10 +1,10 @@
 //! Primitives: any triangle topology of glTF -> an indexed triangle list with sound attributes.
 
+use super::accessors::Integers;
 use super::warnings::Warnings;
 use super::{Reason, accessors, tangents};
 use crate::scene::Primitive;
 use glam::{Vec2, Vec3, Vec4};
-use gltf::accessor::DataType::{F32, U8, U16, U32};
 use gltf::accessor::Dimensions;
 use gltf::mesh::{Mode, Semantic};
 use shared::material::UvMap;
@@ -22,44 +22,61 @@ pub struct Wear {
     pub normal_map: Option<UvMap>,
 }
 
+/// What the attributes of a file may look like, and where their bytes are.
+#[derive(Clone, Copy)]
+pub struct Source<'b> {
+    pub buffers: &'b [Vec<u8>],
+    /// Integers may stand for coordinates (KHR_mesh_quantization).
+    pub quantized: bool,
+}
+
 /// Reads a primitive; `None` (with a warning) if it has no triangles to draw. `label` names it in warnings.
-/// Errors: attributes or indices that are broken, see [`accessors::check`].
+/// Errors: positions or indices that are broken. Without its other attributes it can be drawn.
 pub fn read(
-    source: &gltf::Primitive,
+    primitive: &gltf::Primitive,
     label: &str,
     wear: &Wear,
-    buffers: &[Vec<u8>],
+    source: Source,
     warnings: &mut Warnings,
 ) -> Reason<Option<Primitive>> {
-    if !matches!(source.mode(), Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) {
+    let mode = primitive.mode();
+    if !matches!(mode, Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) {
         warnings.add("points and lines are left out", label);
         return Ok(None);
     }
-    if source.morph_targets().len() > 0 {
+    if primitive.morph_targets().len() > 0 {
         warnings.add("morph targets are not applied", label);
     }
-    let mut primitive = read_vertices(source, &wear.uv_sets, buffers)?;
-    primitive.material = wear.material;
-    let corners = read_indices(source, primitive.positions.len(), buffers)?;
-    if source.mode() == Mode::Triangles && !corners.len().is_multiple_of(3) {
+    let attributes = Attributes { primitive, label, source };
+    let Some(mut mesh) = attributes.read(&wear.uv_sets, warnings)? else {
+        warnings.add("without positions, so left out", label);
+        return Ok(None);
+    };
+    mesh.material = wear.material;
+    let corners = read_indices(primitive, mesh.positions.len(), source.buffers)?;
+    if mode == Mode::Triangles && !corners.len().is_multiple_of(3) {
         warnings.add("the last triangle lacks a corner and is left out", label);
     }
-    primitive.indices = triangles(source.mode(), &corners);
-    let dropped = drop_degenerate(&mut primitive);
+    mesh.indices = triangles(mode, &corners);
+    let dropped = drop_infinite(&mut mesh);
+    if dropped > 0 {
+        warnings.count("triangles with a vertex that is infinite or no number are left out", label, dropped);
+    }
+    let dropped = drop_degenerate(&mut mesh);
     if dropped > 0 {
         warnings.count("triangles without an area are left out", label, dropped);
     }
-    if primitive.indices.is_empty() {
+    if mesh.indices.is_empty() {
         return Ok(None);
     }
-    if primitive.normals.is_empty() {
-        flatten(&mut primitive);
+    if mesh.normals.is_empty() {
+        flatten(&mut mesh);
     } else {
-        compact(&mut primitive);
-        mend_normals(&mut primitive);
+        compact(&mut mesh);
+        mend_normals(&mut mesh);
     }
-    finish_texture_space(&mut primitive, label, wear, warnings);
-    Ok(Some(primitive))
+    finish_texture_space(&mut mesh, label, wear, warnings);
+    Ok(Some(mesh))
 }
 
 fn finish_texture_space(primitive: &mut Primitive, label: &str, wear: &Wear, warnings: &mut Warnings) {
@@ -75,80 +92,81 @@ fn finish_texture_space(primitive: &mut Primitive, label: &str, wear: &Wear, war
     }
 }
 
-fn read_vertices(source: &gltf::Primitive, uv_sets: &[u32], buffers: &[Vec<u8>]) -> Reason<Primitive> {
-    use Dimensions::{Vec2 as Two, Vec3 as Three, Vec4 as Four};
-    let reader = source.reader(|buffer| buffers.get(buffer.index()).map(Vec::as_slice));
-    let has = |semantic: Semantic, types: &[_]| match source.get(&semantic) {
-        None => Ok(false),
-        Some(accessor) => accessors::check(&accessor, types, buffers)
-            .map(|()| true)
-            .map_err(|reason| format!("{}: {reason}", semantic.to_string())),
-    };
-    let mut primitive = Primitive::default();
-    if has(Semantic::Positions, &[(Three, F32)])? {
-        primitive.positions = reader.read_positions().into_iter().flatten().map(Vec3::from).collect();
-    }
-    if has(Semantic::Normals, &[(Three, F32)])? {
-        primitive.normals = reader.read_normals().into_iter().flatten().map(Vec3::from).collect();
-        // Without the file's normals, its tangents mean nothing (glTF 2.0, 3.7.2.1).
-        if has(Semantic::Tangents, &[(Four, F32)])? {
-            primitive.tangents = reader.read_tangents().into_iter().flatten().map(unit_tangent).collect();
-        }
-    }
-    let uvs = |set: u32| {
-        let uvs = match has(Semantic::TexCoords(set), &[(Two, F32), (Two, U8), (Two, U16)])? {
-            true => reader.read_tex_coords(set).map(|uvs| uvs.into_f32()),
-            false => None,
-        };
-        Reason::Ok(uvs.into_iter().flatten().map(Vec2::from).collect())
-    };
-    primitive.uvs = uvs(uv_sets.first().copied().unwrap_or(0))?;
-    primitive.second_uvs = uv_sets.get(1).map_or(Ok(vec![]), |&set| uvs(set))?;
-    let colors = [(Three, F32), (Three, U8), (Three, U16), (Four, F32), (Four, U8), (Four, U16)];
-    if has(Semantic::Colors(0), &colors)? {
-        let colors = reader.read_colors(0).map(|colors| colors.into_rgba_f32());
-        primitive.colors = colors.into_iter().flatten().map(Vec4::from).collect();
-    }
-    check_vertices(&primitive)?;
-    for color in &mut primitive.colors {
-        *color = color.clamp(Vec4::ZERO, Vec4::ONE);
-    }
-    Ok(primitive)
+/// The attributes of a primitive, to be read.
+struct Attributes<'a> {
+    primitive: &'a gltf::Primitive<'a>,
+    label: &'a str,
+    source: Source<'a>,
 }
 
-/// A tangent from the file, unit, with a handedness of ±1; one without a direction stays 0 here.
+impl Attributes<'_> {
+    /// All that are drawn, without triangles; `None` where there are no positions.
+    fn read(&self, uv_sets: &[u32], warnings: &mut Warnings) -> Reason<Option<Primitive>> {
+        use Dimensions::{Vec2 as Two, Vec3 as Three, Vec4 as Four};
+        let Some(accessor) = self.primitive.get(&Semantic::Positions) else { return Ok(None) };
+        let integers = if self.source.quantized { Integers::AsDeclared } else { Integers::None };
+        let positions = accessors::floats(&accessor, &[Three], integers, self.source.buffers)
+            .map_err(|reason| format!("POSITION: {reason}"))?;
+        let count = positions.len();
+        if count > u32::MAX as usize {
+            return Err(format!("{count} vertices are too many"));
+        }
+        let mut mesh = Primitive::default();
+        mesh.positions = positions.into_iter().map(Vec3::from).collect();
+        let directions = Integers::Normalized;
+        let normals = self.other::<3>(Semantic::Normals, &[Three, Four], directions, count, warnings);
+        mesh.normals = normals.into_iter().map(Vec3::from).collect();
+        // Without the file's normals, its tangents mean nothing (glTF 2.0, 3.7.2.1).
+        if !mesh.normals.is_empty() {
+            let tangents = self.other(Semantic::Tangents, &[Four, Three], directions, count, warnings);
+            mesh.tangents = tangents.into_iter().map(unit_tangent).collect();
+        }
+        let integers = if self.source.quantized { Integers::AsDeclared } else { Integers::Normalized };
+        let mut uvs = |set: u32| {
+            let uvs = self.other(Semantic::TexCoords(set), &[Two, Three, Four], integers, count, warnings);
+            uvs.into_iter().map(Vec2::from).collect()
+        };
+        mesh.uvs = uvs(uv_sets.first().copied().unwrap_or(0));
+        mesh.second_uvs = uv_sets.get(1).map_or(vec![], |&set| uvs(set));
+        let colors = self.other(Semantic::Colors(0), &[Three, Four], Integers::Normalized, count, warnings);
+        // NaN stays.
+        mesh.colors = colors.into_iter().map(|c| Vec4::from(c).clamp(Vec4::ZERO, Vec4::ONE)).collect();
+        Ok(Some(mesh))
+    }
+
+    /// An attribute that a primitive can be drawn without: empty (with a warning) if it is broken, or has not `count`
+    /// elements.
+    fn other<const N: usize>(
+        &self,
+        semantic: Semantic,
+        dimensions: &[Dimensions],
+        integers: Integers,
+        count: usize,
+        warnings: &mut Warnings,
+    ) -> Vec<[f32; N]> {
+        let Some(accessor) = self.primitive.get(&semantic) else { return vec![] };
+        let read = accessors::floats(&accessor, dimensions, integers, self.source.buffers);
+        let read = read.and_then(|values| match values.len() {
+            n if n == count => Ok(values),
+            n => Err(format!("{n} elements for {count} vertices")),
+        });
+        read.unwrap_or_else(|reason| {
+            let name = semantic.to_string();
+            warnings.add(&format!("{name} is broken and not used"), &format!("{} ({reason})", self.label));
+            vec![]
+        })
+    }
+}
+
+/// A tangent from the file, unit, with a handedness of ±1; one without a direction is 0 here.
 fn unit_tangent(tangent: [f32; 4]) -> Vec4 {
     let [x, y, z, w] = tangent;
-    let direction = Vec3::new(x, y, z);
-    if !direction.is_finite() {
-        return Vec4::NAN;
-    }
-    normalize_or(direction, Vec3::ZERO).extend(if w < 0.0 { -1.0 } else { 1.0 })
+    unit(Vec3::new(x, y, z)).extend(if w < 0.0 { -1.0 } else { 1.0 })
 }
 
-/// All attributes must have one entry a vertex, each finite.
-fn check_vertices(p: &Primitive) -> Reason<()> {
-    let vertices = p.positions.len();
-    if vertices > u32::MAX as usize {
-        return Err(format!("{vertices} vertices are too many"));
-    }
-    let attributes = [
-        ("POSITION", vertices, p.positions.iter().position(|v| !v.is_finite())),
-        ("NORMAL", p.normals.len(), p.normals.iter().position(|v| !v.is_finite())),
-        ("TANGENT", p.tangents.len(), p.tangents.iter().position(|v| !v.is_finite())),
-        ("TEXCOORD", p.uvs.len(), p.uvs.iter().position(|v| !v.is_finite())),
-        ("TEXCOORD", p.second_uvs.len(), p.second_uvs.iter().position(|v| !v.is_finite())),
-        ("COLOR_0", p.colors.len(), p.colors.iter().position(|v| !v.is_finite())),
-    ];
-    for (name, length, not_finite) in attributes {
-        if length != 0 && length != vertices {
-            return Err(format!("{name} has {length} elements for {vertices} vertices"));
-        }
-        if let Some(vertex) = not_finite {
-            return Err(format!("{name} of vertex {vertex} is infinite or no number"));
-        }
-    }
-    Ok(())
+/// 0 for what has no direction.
+fn unit(v: Vec3) -> Vec3 {
+    if v.is_finite() { normalize_or(v, Vec3::ZERO) } else { Vec3::ZERO }
 }
 
 /// The corners in the order they are drawn, each below `vertices`.
@@ -156,10 +174,7 @@ fn read_indices(source: &gltf::Primitive, vertices: usize, buffers: &[Vec<u8>]) 
     let Some(accessor) = source.indices() else {
         return Ok((0..vertices as u32).collect());
     };
-    let types = [U8, U16, U32].map(|data| (Dimensions::Scalar, data));
-    accessors::check(&accessor, &types, buffers).map_err(|reason| format!("indices: {reason}"))?;
-    let reader = source.reader(|buffer| buffers.get(buffer.index()).map(Vec::as_slice));
-    let corners: Vec<u32> = reader.read_indices().map(|i| i.into_u32().collect()).unwrap_or_default();
+    let corners = accessors::indices(&accessor, buffers).map_err(|reason| format!("indices: {reason}"))?;
     match corners.iter().find(|&&i| i as usize >= vertices) {
         None => Ok(corners),
         Some(index) => {
@@ -181,6 +196,24 @@ fn triangles(mode: Mode, corners: &[u32]) -> Vec<u32> {
         Mode::TriangleFan => corners.windows(2).skip(1).flat_map(|c| [c[0], c[1], corners[0]]).collect(),
         _ => corners[..corners.len() / 3 * 3].to_vec(),
     }
+}
+
+/// Removes the triangles with a corner where an attribute is infinite or no number, and tells how many. Directions are
+/// mended instead.
+fn drop_infinite(mesh: &mut Primitive) -> usize {
+    let mut sound = vec![true; mesh.positions.len()];
+    let mut look = |vertex: usize, finite: bool| sound[vertex] &= finite;
+    mesh.positions.iter().enumerate().for_each(|(i, v)| look(i, v.is_finite()));
+    mesh.uvs.iter().enumerate().for_each(|(i, v)| look(i, v.is_finite()));
+    mesh.second_uvs.iter().enumerate().for_each(|(i, v)| look(i, v.is_finite()));
+    mesh.colors.iter().enumerate().for_each(|(i, v)| look(i, v.is_finite()));
+    if sound.iter().all(|&sound| sound) {
+        return 0;
+    }
+    let before = mesh.indices.len() / 3;
+    let kept = |t: &&[u32]| t.iter().all(|&i| sound[i as usize]);
+    mesh.indices = mesh.indices.chunks_exact(3).filter(kept).flatten().copied().collect();
+    before - mesh.indices.len() / 3
 }
 
 /// Removes the triangles whose area is 0, and tells how many. f64 holds products of f32 exactly enough: only truly
@@ -249,7 +282,7 @@ pub(super) fn gather(primitive: &mut Primitive, order: &[u32]) {
 /// Makes normals unit; one without a direction becomes that of a triangle at its vertex.
 fn mend_normals(primitive: &mut Primitive) {
     for normal in &mut primitive.normals {
-        *normal = normalize_or(*normal, Vec3::ZERO);
+        *normal = unit(*normal);
     }
     for t in primitive.indices.chunks_exact(3) {
         for &i in t {

@@ -4,12 +4,18 @@
 
 mod accessors;
 mod animations;
+mod compressed;
+mod container;
+mod extensions;
 mod file;
 mod geometry;
 mod images;
 mod materials;
+mod meshopt;
 mod nodes;
 mod origin;
+mod schema;
+mod shape;
 mod tangents;
 #[cfg(test)]
 mod tests;
@@ -21,7 +27,6 @@ use super::{Bounds, Instance, Mesh, Primitive, SceneDescription};
 use crate::error::{Error, Result};
 use crate::{parallel, startup};
 use glam::{DAffine3, DVec3, Vec3};
-use gltf::Document;
 use materials::Materials;
 use nodes::Placed;
 use std::collections::{HashMap, HashSet};
@@ -45,15 +50,15 @@ pub fn load(path: &Path) -> Result<SceneDescription> {
 }
 
 fn scene_of(bytes: &[u8], base: &Path) -> Reason<SceneDescription> {
-    let (document, buffers) = startup::timed("parse", || file::parse(bytes, base))?;
     let mut warnings = Warnings::default();
-    warn_of_features(&document, &mut warnings);
-    let mut nodes = nodes::place(&document)?;
-    let worn = nodes.iter().filter_map(|placed| placed.node.mesh()).flat_map(|mesh| mesh.primitives());
+    let file::Parsed { document, buffers, broken_nodes, quantized } =
+        startup::timed("parse", || file::parse(bytes, base, &mut warnings))?;
+    let mut nodes = nodes::place(&document, &broken_nodes)?;
+    let worn = nodes.iter().filter_map(Placed::mesh).flat_map(|mesh| mesh.primitives());
     let images = materials::images_of(worn.map(|primitive| primitive.material()));
     let images = startup::timed("images", || images::load(&document, &images, base, &buffers));
     let mut loader = Loader {
-        buffers: &buffers,
+        source: geometry::Source { buffers: &buffers, quantized },
         materials: Materials::new(images),
         read_meshes: HashMap::new(),
         known_meshes: HashMap::new(),
@@ -64,7 +69,7 @@ fn scene_of(bytes: &[u8], base: &Path) -> Reason<SceneDescription> {
     // The meshes tell where the scene is.
     loader.scene.origin = loader.recenter(&mut nodes)?;
     let origin = loader.scene.origin;
-    let motion = animations::read(&document, &nodes, origin, &buffers, &mut loader.warnings)?;
+    let motion = animations::read(&document, &nodes, origin, &buffers, &mut loader.warnings);
     loader.scene.animation = motion.animation;
     for (placed, &moving) in nodes.iter().zip(&motion.of_placed) {
         loader.add(placed, moving)?;
@@ -72,18 +77,12 @@ fn scene_of(bytes: &[u8], base: &Path) -> Reason<SceneDescription> {
     loader.finish()
 }
 
-fn warn_of_features(document: &Document, warnings: &mut Warnings) {
-    for extension in document.extensions_used().filter(|name| !file::SUPPORTED_EXTENSIONS.contains(name)) {
-        warnings.add("extensions without an effect here", extension);
-    }
-}
-
 /// A primitive, none if it has nothing to draw, and what is to be said of it.
 type ReadPrimitive = (Reason<Option<Primitive>>, Warnings);
 
 /// A scene that grows node by node.
 struct Loader<'b> {
-    buffers: &'b [Vec<u8>],
+    source: geometry::Source<'b>,
     materials: Materials,
     /// By their index in the document, until they are used.
     read_meshes: HashMap<usize, Vec<ReadPrimitive>>,
@@ -99,7 +98,7 @@ impl Loader<'_> {
     fn recenter(&mut self, nodes: &mut [Placed]) -> Reason<DVec3> {
         let mut worn = Vec::new();
         for placed in nodes.iter() {
-            if let Some(mesh) = placed.node.mesh().map(|mesh| self.mesh(&mesh)).transpose()?.flatten() {
+            if let Some(mesh) = placed.mesh().map(|mesh| self.mesh(&mesh)).transpose()?.flatten() {
                 worn.push((mesh, placed.world));
             }
         }
@@ -119,10 +118,10 @@ impl Loader<'_> {
             self.attach(moving, Thing::Camera(self.scene.cameras.len()));
             self.scene.cameras.push(camera);
         }
-        if let Some(light) = placed.add_light(&mut self.scene, &mut self.warnings)? {
+        if let Some(light) = placed.add_light(&mut self.scene, &mut self.warnings) {
             self.attach(moving, light);
         }
-        let Some(mesh) = placed.node.mesh() else { return Ok(()) };
+        let Some(mesh) = placed.mesh() else { return Ok(()) };
         if placed.node.skin().is_some() {
             self.warnings.add("skins are drawn as modelled", &placed.label);
         }
@@ -145,7 +144,7 @@ impl Loader<'_> {
     fn read_meshes(&mut self, nodes: &[Placed]) {
         let mut tasks = Vec::new();
         let mut seen = HashSet::new();
-        for mesh in nodes.iter().filter_map(|placed| placed.node.mesh()).filter(|m| seen.insert(m.index())) {
+        for mesh in nodes.iter().filter_map(Placed::mesh).filter(|m| seen.insert(m.index())) {
             let mesh_label = label("mesh", mesh.index(), mesh.name());
             for primitive in mesh.primitives() {
                 let label = format!("{mesh_label}, primitive {}", primitive.index());
@@ -155,12 +154,12 @@ impl Loader<'_> {
                 tasks.push((mesh.index(), primitive, label, wear, warnings));
             }
         }
-        let buffers = self.buffers;
+        let source = self.source;
         let read = parallel::map(&tasks, |(_, primitive, label, wear, _)| {
             let mut warnings = Warnings::default();
             let wear = wear.as_ref().map_err(Clone::clone);
             let read = wear.and_then(|wear| {
-                geometry::read(primitive, label, wear, buffers, &mut warnings)
+                geometry::read(primitive, label, wear, source, &mut warnings)
                     .map_err(|reason| format!("{label}: {reason}"))
             });
             (read, warnings)

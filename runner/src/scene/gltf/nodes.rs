@@ -8,6 +8,7 @@ use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3, Vec3};
 use gltf::khr_lights_punctual::Kind;
 use gltf::scene::Transform;
 use gltf::{Document, Node};
+use std::collections::HashMap;
 
 /// The widest outer angle of a spot, radians: π/2, as files round it.
 const MAX_CONE: f32 = std::f32::consts::FRAC_PI_2 + 1e-4;
@@ -17,6 +18,8 @@ pub struct Placed<'a> {
     pub node: Node<'a>,
     /// Names the node in messages.
     pub label: String,
+    /// It and all its parents are (KHR_node_visibility).
+    pub visible: bool,
     /// Place in the list of its parent, if it has one.
     pub parent: Option<usize>,
     pub local: Local,
@@ -25,8 +28,9 @@ pub struct Placed<'a> {
 }
 
 /// The nodes of the default scene (or the first), parents before their children. Composed in f64, so that deep
-/// hierarchies lose nothing. Errors: no scene, a node that is reached twice, a matrix that is no finite affine one.
-pub fn place(document: &Document) -> Reason<Vec<Placed<'_>>> {
+/// hierarchies lose nothing. Errors: no scene, a node that is `broken` or reached twice, a matrix that is no finite affine
+/// one.
+pub fn place<'a>(document: &'a Document, broken: &HashMap<usize, String>) -> Reason<Vec<Placed<'a>>> {
     let scene =
         document.default_scene().or_else(|| document.scenes().next()).ok_or("the file has no scene")?;
     let mut reached = vec![false; document.nodes().len()];
@@ -39,6 +43,10 @@ pub fn place(document: &Document) -> Reason<Vec<Placed<'_>>> {
         if std::mem::replace(&mut reached[node.index()], true) {
             return Err(format!("{label} has two parents, or is its own ancestor"));
         }
+        if let Some(reason) = broken.get(&node.index()) {
+            return Err(format!("{label}: {reason}"));
+        }
+        let visible = is_shown(&node) && parent.is_none_or(|p| placed[p].visible);
         let local = local_transform(node.transform()).map_err(|reason| format!("{label}: {reason}"))?;
         let world = parent.map_or(DAffine3::IDENTITY, |p: usize| placed[p].world) * local.affine();
         if !world.as_affine3a().is_finite() {
@@ -46,9 +54,15 @@ pub fn place(document: &Document) -> Reason<Vec<Placed<'_>>> {
         }
         let children: Vec<Node> = node.children().collect();
         open.extend(children.into_iter().rev().map(|child| (child, Some(placed.len()))));
-        placed.push(Placed { node, label, parent, local, world });
+        placed.push(Placed { node, label, visible, parent, local, world });
     }
     Ok(placed)
+}
+
+/// Does the node itself ask to be shown?
+fn is_shown(node: &Node) -> bool {
+    let visible = |extension: &serde_json::Value| extension.get("visible")?.as_bool();
+    node.extension_value("KHR_node_visibility").and_then(visible).unwrap_or(true)
 }
 
 fn local_transform(transform: Transform) -> Reason<Local> {
@@ -107,34 +121,43 @@ impl Placed<'_> {
         })
     }
 
-    /// Adds the node's light (KHR_lights_punctual): its color is linear, and no scale changes its intensity.
-    /// Gives the light. Errors: an intensity or a cone that makes no sense.
-    pub fn add_light(&self, scene: &mut SceneDescription, warnings: &mut Warnings) -> Reason<Option<Thing>> {
-        let Some(light) = self.node.light() else { return Ok(None) };
+    /// The node's mesh, if it is shown.
+    pub fn mesh(&self) -> Option<gltf::Mesh<'_>> {
+        self.node.mesh().filter(|_| self.visible)
+    }
+
+    /// Adds the node's light (KHR_lights_punctual), if it is shown: its color is linear, and no scale changes its
+    /// intensity. Gives the light.
+    pub fn add_light(&self, scene: &mut SceneDescription, warnings: &mut Warnings) -> Option<Thing> {
+        let light = self.node.light().filter(|_| self.visible)?;
         if light.range().is_some() {
             let text = "the range of a light is ignored: it falls off with the square of the distance";
             warnings.add(text, &self.label);
         }
         let intensity = Vec3::from(light.color()) * light.intensity();
         if !(intensity.is_finite() && intensity.min_element() >= 0.0) {
-            return Err(format!("{}: light intensity {intensity} is negative or infinite", self.label));
+            let label = format!("{}: {intensity}", self.label);
+            warnings.add("a light of negative or infinite intensity is left out", &label);
+            return None;
         }
         let position = self.world.translation.as_vec3();
         // It shines along -z.
         let axis = -self.world.matrix3.z_axis.normalize_or_zero().as_vec3();
         if axis == Vec3::ZERO && !matches!(light.kind(), Kind::Point) {
             warnings.add("a light scaled to nothing shines nowhere, so is left out", &self.label);
-            return Ok(None);
+            return None;
         }
-        Ok(Some(match light.kind() {
+        Some(match light.kind() {
             Kind::Point => {
                 scene.point_lights.push(PointLight { position, intensity });
                 Thing::PointLight(scene.point_lights.len() - 1)
             }
-            Kind::Spot { inner_cone_angle: inner_angle, outer_cone_angle: outer_angle } => {
-                if !(0.0 <= inner_angle && inner_angle <= outer_angle && outer_angle <= MAX_CONE) {
-                    let cone = format!("a cone from {inner_angle} to {outer_angle} rad");
-                    return Err(format!("{}: {cone}; 0 <= inner <= outer <= pi/2 is possible", self.label));
+            Kind::Spot { inner_cone_angle: inner, outer_cone_angle: outer } => {
+                let outer_angle = outer.clamp(0.0, MAX_CONE);
+                let inner_angle = inner.clamp(0.0, outer_angle);
+                if [inner_angle, outer_angle] != [inner, outer] {
+                    let label = format!("{}: from {inner} to {outer} rad", self.label);
+                    warnings.add("the cone of a spot is cut to 0 <= inner <= outer <= pi/2", &label);
                 }
                 let light = SpotLight { position, axis, intensity, inner_angle, outer_angle };
                 scene.spot_lights.push(light);
@@ -145,6 +168,6 @@ impl Placed<'_> {
                 scene.directional_lights.push(light);
                 Thing::DirectionalLight(scene.directional_lights.len() - 1)
             }
-        }))
+        })
     }
 }

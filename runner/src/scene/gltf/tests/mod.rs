@@ -6,6 +6,7 @@ mod far;
 mod features;
 mod hostile;
 mod khronos;
+mod lenient;
 mod materials;
 
 use super::*;

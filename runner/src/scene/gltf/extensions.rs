@@ -1,0 +1,133 @@
+//! The extensions of glTF, and what this loader makes of each: the one list of them.
+
+use super::Reason;
+use super::warnings::Warnings;
+use Effect::{Drawn, Lacks, Needed, None as Nothing};
+
+/// What an extension does to the picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Effect {
+    /// What it should.
+    Drawn,
+    /// It is ignored, so the picture lacks this.
+    Lacks(&'static str),
+    /// Nothing: it says what a picture does not show.
+    None,
+    /// It is ignored, and what is left can't be drawn without.
+    Needed,
+}
+
+/// Name and effect, by name.
+#[rustfmt::skip]
+pub const EXTENSIONS: &[(&str, Effect)] = &[
+    ("ADOBE_materials_clearcoat_specular", Lacks("the reflectance of a clear coat")),
+    ("ADOBE_materials_clearcoat_tint", Lacks("the tint of a clear coat")),
+    ("ADOBE_materials_thin_transparency", Lacks("thin transparency")),
+    ("AGI_articulations", Nothing),
+    ("AGI_stk_metadata", Nothing),
+    ("CESIUM_primitive_outline", Lacks("outlines")),
+    ("EXT_lights_ies", Lacks("light profiles")),
+    ("EXT_lights_image_based", Lacks("the environment of the file (--environment takes one)")),
+    ("EXT_mesh_gpu_instancing", Needed),
+    ("EXT_mesh_manifold", Nothing),
+    ("EXT_mesh_primitive_edge_visibility", Lacks("outlines")),
+    ("EXT_mesh_primitive_restart", Needed),
+    ("EXT_meshopt_compression", Drawn),
+    ("EXT_texture_astc", Lacks("textures in ASTC")),
+    ("EXT_texture_avif", Lacks("textures in AVIF")),
+    ("EXT_texture_webp", Needed),
+    ("FB_geometry_metadata", Nothing),
+    ("GODOT_single_root", Nothing),
+    ("GRIFFEL_bim_data", Nothing),
+    ("KHR_animation_pointer", Lacks("animations of anything but nodes")),
+    ("KHR_draco_mesh_compression", Needed),
+    ("KHR_gaussian_splatting", Lacks("Gaussian splats")),
+    ("KHR_interactivity", Nothing),
+    ("KHR_lights_punctual", Drawn),
+    ("KHR_materials_anisotropy", Lacks("anisotropy")),
+    ("KHR_materials_clearcoat", Lacks("clear coats")),
+    ("KHR_materials_diffuse_transmission", Lacks("diffuse transmission")),
+    ("KHR_materials_dispersion", Lacks("dispersion")),
+    ("KHR_materials_emissive_strength", Drawn),
+    ("KHR_materials_ior", Drawn),
+    ("KHR_materials_iridescence", Lacks("iridescence")),
+    ("KHR_materials_pbrSpecularGlossiness", Drawn),
+    ("KHR_materials_sheen", Lacks("sheen")),
+    ("KHR_materials_specular", Lacks("the strength and color of dielectric reflections")),
+    ("KHR_materials_transmission", Lacks("transmission")),
+    ("KHR_materials_unlit", Drawn),
+    ("KHR_materials_variants", Lacks("all variants of materials but the default")),
+    ("KHR_materials_volume", Lacks("absorption in volumes")),
+    ("KHR_mesh_quantization", Drawn),
+    ("KHR_meshopt_compression", Drawn),
+    ("KHR_node_hoverability", Nothing),
+    ("KHR_node_selectability", Nothing),
+    ("KHR_node_visibility", Drawn),
+    ("KHR_techniques_webgl", Lacks("shaders of the file's own")),
+    ("KHR_texture_basisu", Needed),
+    ("KHR_texture_transform", Drawn),
+    ("KHR_xmp", Nothing),
+    ("KHR_xmp_json_ld", Nothing),
+    ("MPEG_audio_spatial", Nothing),
+    ("MSFT_lod", Lacks("levels of detail: the finest is drawn")),
+    ("MSFT_packing_normalRoughnessMetallic", Lacks("packed textures")),
+    ("MSFT_packing_occlusionRoughnessMetallic", Lacks("packed textures")),
+    ("MSFT_texture_dds", Lacks("textures in DDS")),
+    ("NV_materials_mdl", Lacks("materials in MDL")),
+];
+
+/// What becomes of the extension `name`. One that is not listed may be anything, but one that calls itself a matter of
+/// materials or data about data leaves the rest as it is.
+pub fn effect(name: &str) -> Effect {
+    if let Ok(place) = EXTENSIONS.binary_search_by_key(&name, |(listed, _)| listed) {
+        return EXTENSIONS[place].1;
+    }
+    let lower = name.to_ascii_lowercase();
+    let about = |words: &[&str]| words.iter().any(|word| lower.contains(word));
+    if about(&["metadata", "xmp"]) {
+        Nothing
+    } else if about(&["_material", "_texture", "_light", "variants"]) {
+        Lacks("what it adds to materials, textures or lights")
+    } else {
+        Needed
+    }
+}
+
+/// Says what the picture lacks of the extensions in `used`. Error: one that the file requires is [`Effect::Needed`].
+pub fn check(used: &[String], required: &[String], warnings: &mut Warnings) -> Reason<()> {
+    let needed: Vec<&str> =
+        required.iter().map(String::as_str).filter(|name| effect(name) == Needed).collect();
+    if !needed.is_empty() {
+        return Err(format!(
+            "requires {}, which is not supported; export the scene without",
+            needed.join(", ")
+        ));
+    }
+    let mut said = std::collections::HashSet::new();
+    for name in used.iter().chain(required).filter(|name| said.insert(*name)) {
+        match effect(name) {
+            Drawn => {}
+            Lacks(what) => warnings.add("the picture lacks", &format!("{what} ({name})")),
+            Nothing | Needed => warnings.add("extensions without an effect here", name),
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_list_is_sorted() {
+        assert!(EXTENSIONS.is_sorted_by(|(a, _), (b, _)| a < b));
+    }
+
+    #[test]
+    fn unlisted_extensions_are_known_by_their_names() {
+        assert_eq!(effect("KHR_lights_punctual"), Drawn);
+        assert!(matches!(effect("VENDOR_materials_glitter"), Lacks(_)));
+        assert_eq!(effect("VENDOR_Metadata"), Nothing);
+        assert_eq!(effect("VENDOR_mesh_fractal"), Needed);
+    }
+}
