@@ -1,6 +1,7 @@
 //! Primitives: any triangle topology of glTF -> an indexed triangle list with sound attributes.
 
 use super::accessors::Integers;
+use super::draco::{self, Decoded};
 use super::warnings::Warnings;
 use super::{Reason, accessors, tangents};
 use crate::scene::Primitive;
@@ -25,6 +26,7 @@ pub struct Wear {
 /// What the attributes of a file may look like, and where their bytes are.
 #[derive(Clone, Copy)]
 pub struct Source<'b> {
+    pub document: &'b gltf::Document,
     pub buffers: &'b [Vec<u8>],
     /// Integers may stand for coordinates (KHR_mesh_quantization).
     pub quantized: bool,
@@ -47,13 +49,19 @@ pub fn read(
     if primitive.morph_targets().len() > 0 {
         warnings.add("morph targets are not applied", label);
     }
-    let attributes = Attributes { primitive, label, source };
+    let decoded = draco::decode(source.document, primitive, source.buffers)?;
+    let attributes = Attributes { primitive, label, source, decoded: decoded.as_ref() };
     let Some(mut mesh) = attributes.read(&wear.uv_sets, warnings)? else {
         warnings.add("without positions, so left out", label);
         return Ok(None);
     };
     mesh.material = wear.material;
-    let corners = read_indices(primitive, mesh.positions.len(), source.buffers)?;
+    let corners = match &decoded {
+        Some(decoded) => decoded.indices(),
+        None => read_indices(primitive, mesh.positions.len(), source.buffers)?,
+    };
+    // Whatever the file calls them, decoded indices are a list.
+    let mode = if decoded.is_some() { Mode::Triangles } else { mode };
     if mode == Mode::Triangles && !corners.len().is_multiple_of(3) {
         warnings.add("the last triangle lacks a corner and is left out", label);
     }
@@ -97,6 +105,7 @@ struct Attributes<'a> {
     primitive: &'a gltf::Primitive<'a>,
     label: &'a str,
     source: Source<'a>,
+    decoded: Option<&'a Decoded>,
 }
 
 impl Attributes<'_> {
@@ -105,7 +114,8 @@ impl Attributes<'_> {
         use Dimensions::{Vec2 as Two, Vec3 as Three, Vec4 as Four};
         let Some(accessor) = self.primitive.get(&Semantic::Positions) else { return Ok(None) };
         let integers = if self.source.quantized { Integers::AsDeclared } else { Integers::None };
-        let positions = accessors::floats(&accessor, &[Three], integers, self.source.buffers)
+        let positions = self
+            .floats(&Semantic::Positions, &accessor, &[Three], integers)
             .map_err(|reason| format!("POSITION: {reason}"))?;
         let count = positions.len();
         if count > u32::MAX as usize {
@@ -134,6 +144,19 @@ impl Attributes<'_> {
         Ok(Some(mesh))
     }
 
+    /// The values of an attribute, see [`accessors::floats`].
+    fn floats<const N: usize>(
+        &self,
+        semantic: &Semantic,
+        accessor: &gltf::Accessor,
+        dimensions: &[Dimensions],
+        integers: Integers,
+    ) -> Reason<Vec<[f32; N]>> {
+        let normalized = integers == Integers::Normalized || accessor.normalized();
+        let decoded = self.decoded.and_then(|decoded| decoded.floats(semantic, accessor, normalized));
+        decoded.unwrap_or_else(|| accessors::floats(accessor, dimensions, integers, self.source.buffers))
+    }
+
     /// An attribute that a primitive can be drawn without: empty (with a warning) if it is broken, or has not `count`
     /// elements.
     fn other<const N: usize>(
@@ -145,7 +168,7 @@ impl Attributes<'_> {
         warnings: &mut Warnings,
     ) -> Vec<[f32; N]> {
         let Some(accessor) = self.primitive.get(&semantic) else { return vec![] };
-        let read = accessors::floats(&accessor, dimensions, integers, self.source.buffers);
+        let read = self.floats(&semantic, &accessor, dimensions, integers);
         let read = read.and_then(|values| match values.len() {
             n if n == count => Ok(values),
             n => Err(format!("{n} elements for {count} vertices")),

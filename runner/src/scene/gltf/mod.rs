@@ -6,10 +6,12 @@ mod accessors;
 mod animations;
 mod compressed;
 mod container;
+mod draco;
 mod extensions;
 mod file;
 mod geometry;
 mod images;
+mod instancing;
 mod materials;
 mod meshopt;
 mod nodes;
@@ -54,11 +56,14 @@ fn scene_of(bytes: &[u8], base: &Path) -> Reason<SceneDescription> {
     let file::Parsed { document, buffers, broken_nodes, quantized } =
         startup::timed("parse", || file::parse(bytes, base, &mut warnings))?;
     let mut nodes = nodes::place(&document, &broken_nodes)?;
+    for placed in nodes.iter_mut().filter(|placed| placed.mesh().is_some()) {
+        placed.copies = instancing::copies(&document, &placed.node, &buffers)?;
+    }
     let worn = nodes.iter().filter_map(Placed::mesh).flat_map(|mesh| mesh.primitives());
     let images = materials::images_of(worn.map(|primitive| primitive.material()));
     let images = startup::timed("images", || images::load(&document, &images, base, &buffers));
     let mut loader = Loader {
-        source: geometry::Source { buffers: &buffers, quantized },
+        source: geometry::Source { document: &document, buffers: &buffers, quantized },
         materials: Materials::new(images),
         read_meshes: HashMap::new(),
         known_meshes: HashMap::new(),
@@ -99,7 +104,7 @@ impl Loader<'_> {
         let mut worn = Vec::new();
         for placed in nodes.iter() {
             if let Some(mesh) = placed.mesh().map(|mesh| self.mesh(&mesh)).transpose()?.flatten() {
-                worn.push((mesh, placed.world));
+                worn.extend(placed.copies.iter().map(|&copy| (mesh, placed.mesh_world * copy)));
             }
         }
         let boxes: Vec<Bounds> = self.scene.meshes.iter().map(Mesh::bounds).collect();
@@ -108,13 +113,16 @@ impl Loader<'_> {
             boxes[mesh].corners().into_iter().for_each(|p| extent.add(world.transform_point3(offset + p)));
         }
         let origin = extent.origin();
-        nodes.iter_mut().for_each(|placed| placed.world.translation -= origin);
+        for placed in nodes.iter_mut() {
+            placed.world.translation -= origin;
+            placed.mesh_world.translation -= origin;
+        }
         Ok(origin)
     }
 
     /// `moving`: the node of the scene's animation that this one is.
     fn add(&mut self, placed: &Placed, moving: Option<usize>) -> Reason<()> {
-        if let Some(camera) = placed.camera(&mut self.warnings) {
+        if let Some(camera) = placed.camera(self.scene.cameras.len(), &mut self.warnings) {
             self.attach(moving, Thing::Camera(self.scene.cameras.len()));
             self.scene.cameras.push(camera);
         }
@@ -126,17 +134,21 @@ impl Loader<'_> {
             self.warnings.add("skins are drawn as modelled", &placed.label);
         }
         let Some((mesh, offset)) = self.mesh(&mesh)? else { return Ok(()) };
-        let offset = DAffine3::from_translation(offset);
-        let transform = (placed.world * offset).as_affine3a();
+        // A skin's joints move its mesh, wherever its node is (glTF 2.0, 3.7.3.3).
+        let moving = moving.filter(|_| placed.node.skin().is_none());
         // What moves may grow later.
         if !placed.has_area() && moving.is_none() {
             self.warnings.add("scaled to nothing, so left out", &placed.label);
             return Ok(());
         }
-        let moving = moving.map(|node| self.child(node, offset));
-        let name = placed.node.name().unwrap_or_default().to_owned();
-        self.attach(moving, Thing::Instance(self.scene.instances.len()));
-        self.scene.instances.push(Instance { name, mesh, transform });
+        for &copy in &placed.copies {
+            let offset = copy * DAffine3::from_translation(offset);
+            let transform = (placed.mesh_world * offset).as_affine3a();
+            let moving = moving.map(|node| self.child(node, offset));
+            let name = placed.node.name().unwrap_or_default().to_owned();
+            self.attach(moving, Thing::Instance(self.scene.instances.len()));
+            self.scene.instances.push(Instance { name, mesh, transform });
+        }
         Ok(())
     }
 

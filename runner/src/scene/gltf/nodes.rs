@@ -25,6 +25,10 @@ pub struct Placed<'a> {
     pub local: Local,
     /// Object to world, relative to the scene's origin once that is known.
     pub world: DAffine3,
+    /// The same for its mesh: of a skin, it is the world's.
+    pub mesh_world: DAffine3,
+    /// Where the copies of its mesh stand, relative to it.
+    pub copies: Vec<DAffine3>,
 }
 
 /// The nodes of the default scene (or the first), parents before their children. Composed in f64, so that deep
@@ -54,7 +58,9 @@ pub fn place<'a>(document: &'a Document, broken: &HashMap<usize, String>) -> Rea
         }
         let children: Vec<Node> = node.children().collect();
         open.extend(children.into_iter().rev().map(|child| (child, Some(placed.len()))));
-        placed.push(Placed { node, label, visible, parent, local, world });
+        let mesh_world = if node.skin().is_some() { DAffine3::IDENTITY } else { world };
+        let copies = vec![DAffine3::IDENTITY];
+        placed.push(Placed { node, label, visible, parent, local, world, mesh_world, copies });
     }
     Ok(placed)
 }
@@ -92,13 +98,14 @@ fn local_transform(transform: Transform) -> Reason<Local> {
 impl Placed<'_> {
     /// Does its transform leave an area of anything?
     pub fn has_area(&self) -> bool {
-        let DMat3 { x_axis: x, y_axis: y, z_axis: z } = self.world.matrix3;
+        let DMat3 { x_axis: x, y_axis: y, z_axis: z } = self.mesh_world.matrix3;
         let areas = [x.cross(y), y.cross(z), z.cross(x)];
         areas.iter().any(|&area| area != DVec3::ZERO)
     }
 
-    /// The node's perspective camera. Its transform turns and moves, but does not scale it.
-    pub fn camera(&self, warnings: &mut Warnings) -> Option<SceneCamera> {
+    /// The node's perspective camera. Its transform turns and moves, but does not scale it. One without a name is called
+    /// by its `number`.
+    pub fn camera(&self, number: usize, warnings: &mut Warnings) -> Option<SceneCamera> {
         let camera = self.node.camera()?;
         let fov_y = match camera.projection() {
             gltf::camera::Projection::Perspective(perspective) => perspective.yfov(),
@@ -112,8 +119,9 @@ impl Placed<'_> {
             warnings.add("a camera without a view is left out", &self.label);
             return None;
         };
+        let name = camera.name().or(self.node.name()).filter(|name| !name.is_empty());
         Some(SceneCamera {
-            name: camera.name().or(self.node.name()).unwrap_or_default().to_owned(),
+            name: name.map_or_else(|| number.to_string(), str::to_owned),
             position: self.world.translation.as_vec3(),
             forward,
             up,

@@ -194,6 +194,11 @@ fn attribute(name: &str) -> Option<Need> {
     }
 }
 
+/// The attributes of EXT_mesh_gpu_instancing.
+fn copied(name: &str) -> Option<Need> {
+    matches!(name, "TRANSLATION" | "ROTATION" | "SCALE").then_some(Firm)
+}
+
 pub const MESH: Shape = Object(&[
     NAME,
     f(
@@ -204,9 +209,15 @@ pub const MESH: Shape = Object(&[
             f("material", Index(Material), Firm),
             f("mode", Code(&[0, 1, 2, 3, 4, 5, 6]), Firm),
             f("targets", List(&Named(attribute, &Index(Accessor))), Loose),
+            f("extensions", Object(&[f("KHR_draco_mesh_compression", DRACO, Firm)]), Firm),
         ])),
         Must,
     ),
+]);
+
+const DRACO: Shape = Object(&[
+    f("bufferView", Index(View), Must),
+    f("attributes", Named(attribute, &Whole(u32::MAX as u64)), Must),
 ]);
 
 pub const SKIN: Shape = Object(&[
@@ -229,6 +240,11 @@ pub const NODE: Shape = Object(&[
     f(
         "extensions",
         Object(&[
+            f(
+                "EXT_mesh_gpu_instancing",
+                Object(&[f("attributes", Named(copied, &Index(Accessor)), Firm)]),
+                Firm,
+            ),
             f("KHR_lights_punctual", Object(&[f("light", Index(Light), Must)]), Loose),
             f("KHR_node_visibility", Object(&[f("visible", Flag, Loose)]), Loose),
         ]),
