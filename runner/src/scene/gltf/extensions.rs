@@ -123,6 +123,57 @@ mod tests {
         assert!(EXTENSIONS.is_sorted_by(|(a, _), (b, _)| a < b));
     }
 
+    /// As a line of the table in docs/formats.md.
+    fn line(name: &str, effect: Effect) -> String {
+        match effect {
+            Drawn => format!("| `{name}` | drawn |"),
+            Lacks(what) => format!("| `{name}` | ignored, with a warning: the picture lacks {what} |"),
+            Nothing => format!("| `{name}` | ignored: no effect on a picture |"),
+            Needed => format!("| `{name}` | a file that requires it is refused |"),
+        }
+    }
+
+    #[test]
+    fn the_table_in_the_docs_is_this_list() {
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/formats.md");
+        let page = std::fs::read_to_string(path).unwrap();
+        let written: Vec<&str> = page.lines().filter(|line| line.starts_with("| `")).collect();
+        let listed: Vec<String> = EXTENSIONS.iter().map(|&(name, effect)| line(name, effect)).collect();
+        assert_eq!(written, listed, "docs/formats.md should have these lines:\n{}", listed.join("\n"));
+    }
+
+    /// All that Khronos has ratified by 2026 are listed.
+    #[test]
+    fn ratified_extensions_are_listed() {
+        for name in [
+            "EXT_mesh_gpu_instancing",
+            "EXT_meshopt_compression",
+            "EXT_texture_webp",
+            "KHR_animation_pointer",
+            "KHR_draco_mesh_compression",
+            "KHR_lights_punctual",
+            "KHR_materials_anisotropy",
+            "KHR_materials_clearcoat",
+            "KHR_materials_dispersion",
+            "KHR_materials_emissive_strength",
+            "KHR_materials_ior",
+            "KHR_materials_iridescence",
+            "KHR_materials_sheen",
+            "KHR_materials_specular",
+            "KHR_materials_transmission",
+            "KHR_materials_unlit",
+            "KHR_materials_variants",
+            "KHR_materials_volume",
+            "KHR_mesh_quantization",
+            "KHR_node_visibility",
+            "KHR_texture_basisu",
+            "KHR_texture_transform",
+            "KHR_xmp_json_ld",
+        ] {
+            assert!(EXTENSIONS.iter().any(|&(listed, _)| listed == name), "{name}");
+        }
+    }
+
     #[test]
     fn unlisted_extensions_are_known_by_their_names() {
         assert_eq!(effect("KHR_lights_punctual"), Drawn);

@@ -139,8 +139,13 @@ impl Attributes<'_> {
         mesh.uvs = uvs(uv_sets.first().copied().unwrap_or(0));
         mesh.second_uvs = uv_sets.get(1).map_or(vec![], |&set| uvs(set));
         let colors = self.other(Semantic::Colors(0), &[Three, Four], Integers::Normalized, count, warnings);
-        // NaN stays.
-        mesh.colors = colors.into_iter().map(|c| Vec4::from(c).clamp(Vec4::ZERO, Vec4::ONE)).collect();
+        // Not by a clamp alone, which makes a number of NaN.
+        let color = |c| {
+            Some(Vec4::from(c))
+                .filter(|c: &Vec4| c.is_finite())
+                .map_or(Vec4::NAN, |c| c.clamp(Vec4::ZERO, Vec4::ONE))
+        };
+        mesh.colors = colors.into_iter().map(color).collect();
         Ok(Some(mesh))
     }
 

@@ -47,10 +47,11 @@ pub fn place<'a>(document: &'a Document, broken: &HashMap<usize, String>) -> Rea
         if std::mem::replace(&mut reached[node.index()], true) {
             return Err(format!("{label} has two parents, or is its own ancestor"));
         }
-        if let Some(reason) = broken.get(&node.index()) {
+        let in_sight = parent.is_none_or(|p| placed[p].visible);
+        if let Some(reason) = broken.get(&node.index()).filter(|_| in_sight) {
             return Err(format!("{label}: {reason}"));
         }
-        let visible = is_shown(&node) && parent.is_none_or(|p| placed[p].visible);
+        let visible = in_sight && is_shown(&node);
         let local = local_transform(node.transform()).map_err(|reason| format!("{label}: {reason}"))?;
         let world = parent.map_or(DAffine3::IDENTITY, |p: usize| placed[p].world) * local.affine();
         if !world.as_affine3a().is_finite() {

@@ -5,7 +5,7 @@ use Kind::{
     Accessor, Buffer, Camera, Curve, Image, Light, Material, Mesh, Node, Sampler, Skin, Texture, View,
 };
 use Need::{Firm, FirmOr, Loose, Must, Or};
-use Shape::{Choice, Code, Flag, Index, List, Named, Number, Numbers, Object, Open, Text, Whole};
+use Shape::{Choice, Code, Flag, Index, List, Named, Number, Numbers, Object, Open, Place, Text, Whole};
 
 const fn f(name: &'static str, shape: Shape, need: Need) -> Field {
     Field { name, shape, need }
@@ -76,7 +76,7 @@ pub const SAMPLER: Shape = Object(&[
 pub const TEXTURE: Shape = Object(&[
     NAME,
     f("sampler", Index(Sampler), Loose),
-    f("source", Index(Image), Loose),
+    f("source", Index(Image), Must),
     f("extensions", Open(&[]), Loose),
 ]);
 
@@ -223,14 +223,14 @@ const DRACO: Shape = Object(&[
 pub const SKIN: Shape = Object(&[
     NAME,
     f("inverseBindMatrices", Index(Accessor), Firm),
-    f("joints", List(&Index(Node)), Must),
-    f("skeleton", Index(Node), Loose),
+    f("joints", List(&Place(Node)), Must),
+    f("skeleton", Place(Node), Loose),
 ]);
 
 pub const NODE: Shape = Object(&[
     NAME,
     f("camera", Index(Camera), Loose),
-    f("children", List(&Index(Node)), Firm),
+    f("children", List(&Place(Node)), Firm),
     f("matrix", Numbers(16), Firm),
     f("mesh", Index(Mesh), Firm),
     f("rotation", Numbers(4), Firm),
@@ -252,7 +252,7 @@ pub const NODE: Shape = Object(&[
     ),
 ]);
 
-pub const SCENE: Shape = Object(&[NAME, f("nodes", List(&Index(Node)), FirmOr("[]"))]);
+pub const SCENE: Shape = Object(&[NAME, f("nodes", List(&Place(Node)), FirmOr("[]"))]);
 
 pub const ANIMATION: Shape = Object(&[
     NAME,
@@ -275,7 +275,7 @@ pub const ANIMATION: Shape = Object(&[
             f(
                 "target",
                 Object(&[
-                    f("node", Index(Node), Must),
+                    f("node", Place(Node), Must),
                     f("path", Choice(&["translation", "rotation", "scale", "weights"]), Must),
                 ]),
                 Must,

@@ -23,8 +23,10 @@ pub enum Shape {
     Choice(&'static [&'static str]),
     /// One of these codes.
     Code(&'static [u64]),
-    /// The place of a thing in the list of its kind.
+    /// The place of a sound thing in the list of its kind.
     Index(Kind),
+    /// The place of a thing, sound or not.
+    Place(Kind),
     /// Elements that are all sound.
     List(&'static Shape),
     /// Elements of which broken ones are left out.
@@ -189,7 +191,14 @@ impl<'w> Mender<'w> {
                 *value = code.ok_or_else(|| format!("{} is an unknown code", shown(value)))?.into();
                 Ok(())
             }
-            Shape::Index(kind) => self.mend_index(value, kind),
+            Shape::Place(kind) => self.mend_index(value, kind).map(|_| ()),
+            Shape::Index(kind) => {
+                let index = self.mend_index(value, kind)?;
+                match self.known.get(&kind).and_then(|known| known.broken.get(&index)) {
+                    Some(reason) => Err(format!("{} {index}: {reason}", kind.name())),
+                    None => Ok(()),
+                }
+            }
             Shape::List(element) => {
                 let list = value.as_array_mut().ok_or("it is no list")?;
                 let mut elements = list.iter_mut().enumerate();
@@ -224,17 +233,14 @@ impl<'w> Mender<'w> {
         }
     }
 
-    fn mend_index(&self, value: &mut Value, kind: Kind) -> Reason<()> {
+    fn mend_index(&self, value: &mut Value, kind: Kind) -> Reason<usize> {
         let Some(index) = whole(value) else { return Err(format!("{} is no index", shown(value))) };
         let count = self.known.get(&kind).map_or(0, |known| known.count);
         if index >= count as u64 {
             return Err(format!("{} {index} of {count} does not exist", kind.name()));
         }
         *value = index.into();
-        match self.known.get(&kind).and_then(|known| known.broken.get(&(index as usize))) {
-            Some(reason) => Err(format!("{} {index}: {reason}", kind.name())),
-            None => Ok(()),
-        }
+        Ok(index as usize)
     }
 
     fn mend_table(&mut self, value: &mut Value, kind: Kind, element: &Shape) -> Reason<()> {
@@ -268,7 +274,7 @@ impl<'w> Mender<'w> {
                     None
                 }
                 // The message names what is missing already.
-                (Err(reason), _) if matches!(shape, Shape::Index(_)) => return Err(reason),
+                (Err(reason), _) if matches!(shape, Shape::Index(_) | Shape::Place(_)) => return Err(reason),
                 (Err(reason), _) => return Err(format!("{name}: {reason}")),
             };
             let found = match (found, need) {

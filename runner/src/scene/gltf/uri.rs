@@ -1,24 +1,44 @@
 //! What a glTF URI points to: a file beside the scene or data in the URI itself.
 
 use super::Reason;
+use std::ffi::OsString;
 use std::fs;
 use std::io;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// The bytes of `uri`; file names are relative to `base`. Errors: other schemes, no such file, broken base64.
 pub fn read(uri: &str, base: &Path) -> Reason<Vec<u8>> {
-    if uri.starts_with("data:") {
+    if is_data(uri) {
         return read_data(uri);
     }
     if uri.contains("://") || uri.starts_with("file:") {
-        return Err(format!("'{uri}': only relative file names and data: URIs can be read"));
+        return Err(format!("'{}': only relative file names and data: URIs can be read", label(uri)));
     }
-    let decoded = percent_decoded(uri);
-    let path = base.join(&decoded);
-    // Some exporters write file names as they are, percent signs included.
+    let path = base.join(percent_decoded(uri));
+    let path = if path.exists() { path } else { other_spelling(uri, base).unwrap_or(path) };
+    read_file(&path).map_err(|error| format!("can't read '{}': {error}", label(&path.display().to_string())))
+}
+
+/// The file that `uri` means as exporters spell it: as it is, percent signs included; with backslashes; in another case.
+fn other_spelling(uri: &str, base: &Path) -> Option<PathBuf> {
     let literal = base.join(uri);
-    let path = if !path.exists() && literal.exists() { literal } else { path };
-    read_file(&path).map_err(|error| format!("can't read '{}': {error}", path.display()))
+    if literal.exists() {
+        return Some(literal);
+    }
+    let mut path = base.to_owned();
+    for part in percent_decoded(uri).split(['/', '\\']).filter(|part| !part.is_empty()) {
+        let exact = path.join(part);
+        path = if exact.exists() { exact } else { path.join(in_any_case(&path, part)?) };
+    }
+    Some(path)
+}
+
+/// The entry of a folder whose name is `part` but for its case.
+fn in_any_case(folder: &Path, part: &str) -> Option<OsString> {
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let names = fs::read_dir(folder).ok()?.flatten().map(|entry| entry.file_name());
+    let part = part.to_lowercase();
+    names.into_iter().find(|name| name.to_str().is_some_and(|name| name.to_lowercase() == part))
 }
 
 /// As `fs::read`, but of regular files only: a pipe or a device would never end.
@@ -29,13 +49,16 @@ pub fn read_file(path: &Path) -> io::Result<Vec<u8>> {
     fs::read(path)
 }
 
-/// What to call a URI in a message: its name, or the head of its data.
+/// What to call a URI in a message: its name, or the head of it.
 pub fn label(uri: &str) -> String {
-    if uri.starts_with("data:") {
-        format!("{}...", uri.chars().take_while(|&c| c != ',').take(40).collect::<String>())
-    } else {
-        uri.to_owned()
-    }
+    let (part, most) =
+        if is_data(uri) { (uri.split(',').next().unwrap_or_default(), 40) } else { (uri, 200) };
+    let head: String = part.chars().take(most).collect();
+    if head.len() < uri.len() { format!("{head}...") } else { head }
+}
+
+fn is_data(uri: &str) -> bool {
+    uri.get(..5).is_some_and(|scheme| scheme.eq_ignore_ascii_case("data:"))
 }
 
 fn read_data(uri: &str) -> Reason<Vec<u8>> {

@@ -41,11 +41,7 @@ pub fn decode(stream: &[u8], count: usize, stride: usize) -> Option<Vec<u8>> {
             let mut deltas = [[0; BLOCK]; CHANNEL];
             for (byte, deltas) in deltas.iter_mut().enumerate() {
                 let control = controls.map(|controls| controls[channel] >> (2 * byte) & 3);
-                read_deltas(
-                    &mut body,
-                    control,
-                    &mut deltas[..(block.len() / stride).next_multiple_of(GROUP)],
-                )?;
+                read_deltas(&mut body, control, deltas, block.len() / stride)?;
             }
             let previous = &mut previous[channel * CHANNEL..][..CHANNEL];
             accumulate(
@@ -59,22 +55,21 @@ pub fn decode(stream: &[u8], count: usize, stride: usize) -> Option<Vec<u8>> {
     body.is_empty().then_some(decoded)
 }
 
-/// The differences of one byte of all elements of a block, still zigzag-encoded. `control` is that of version 1.
-fn read_deltas(body: &mut &[u8], control: Option<u8>, deltas: &mut [u8]) -> Option<()> {
+/// The differences of one byte of the `count` elements of a block, still zigzag-encoded. `control` is that of version 1.
+fn read_deltas(body: &mut &[u8], control: Option<u8>, deltas: &mut [u8; BLOCK], count: usize) -> Option<()> {
     let bits: [u32; 4] = match control {
         None => [0, 2, 4, 8],
         Some(0) => [0, 1, 2, 4],
         Some(1) => [1, 2, 4, 8],
         Some(2) => return Some(()),
         Some(_) => {
-            // As many as there are elements, rounded up to whole groups.
-            deltas.copy_from_slice(take(body, deltas.len())?);
+            deltas[..count].copy_from_slice(take(body, count)?);
             return Some(());
         }
     };
-    let groups = deltas.len() / GROUP;
+    let groups = count.div_ceil(GROUP);
     let headers = take(body, groups.div_ceil(4))?;
-    for (i, group) in deltas.chunks_exact_mut(GROUP).enumerate() {
+    for (i, group) in deltas.chunks_exact_mut(GROUP).take(groups).enumerate() {
         let header = headers[i / 4] >> (2 * (i % 4)) & 3;
         read_group(body, bits[usize::from(header)], group)?;
     }

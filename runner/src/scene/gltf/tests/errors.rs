@@ -99,14 +99,14 @@ fn accessors_out_of_their_bytes() {
     rejected(|f| f.json["bufferViews"][0]["byteStride"] = json!(8), &[where_, "stride of 8 bytes"]);
     rejected(
         |f| f.json["bufferViews"][0]["byteLength"] = json!(10_000),
-        &["node 0 'quad'", "POSITION: accessor 0: bufferView: buffer view 0: it reaches past buffer 0"],
+        &["node 0 'quad'", "POSITION: accessor 0: buffer view 0: it reaches past buffer 0"],
     );
     // The bytes are there, but not declared.
     let shorter = |f: &mut File| f.json["buffers"][0]["byteLength"] = json!(f.bin.len() - 4);
     rejected(shorter, &["buffer view 3: it reaches past buffer 0"]);
     rejected(
         |f| f.json["bufferViews"][0]["byteOffset"] = json!(u64::MAX),
-        &["node 0 'quad'", "POSITION: accessor 0: bufferView: buffer view 0: it reaches past buffer 0"],
+        &["node 0 'quad'", "POSITION: accessor 0: buffer view 0: it reaches past buffer 0"],
     );
     rejected(|f| f.json["accessors"][POSITIONS]["componentType"] = json!(5123), &[where_, "not allowed"]);
     rejected(|f| f.json["accessors"][POSITIONS]["type"] = json!("VEC4"), &[where_, "not allowed"]);

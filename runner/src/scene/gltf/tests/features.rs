@@ -218,3 +218,86 @@ fn files_may_be_text_with_a_buffer_beside_it() {
     let scene = load(&path).unwrap();
     assert_eq!((scene.name.as_str(), scene.triangle_count()), ("quad", 2));
 }
+
+#[test]
+fn integers_may_stand_for_coordinates() {
+    let words = |values: &[i16]| values.iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>();
+    let mut file = File::quad();
+    file.json["extensionsRequired"] = json!(["KHR_mesh_quantization"]);
+    // Each padded to 8 bytes, as gltfpack writes them.
+    let positions = words(&[0, 0, 0, 0, 100, 0, 0, 0, 100, 100, 0, 0, 0, 100, 0, 0]);
+    let view = file.view(&positions);
+    file.json["bufferViews"][view]["byteStride"] = json!(8);
+    file.json["accessors"][POSITIONS]["bufferView"] = json!(view);
+    file.json["accessors"][POSITIONS]["componentType"] = json!(5122);
+    let normals = file.view(&[0, 0, 127, 0].repeat(4));
+    file.json["bufferViews"][normals]["byteStride"] = json!(4);
+    file.json["accessors"][1] =
+        json!({"bufferView": normals, "componentType": 5120, "normalized": true, "count": 4, "type": "VEC3"});
+    file.attribute("TEXCOORD_0", &[0, 0, 3, 0, 3, 3, 0, 3].map(|x: u8| [x, 0]).concat(), 5123, "VEC2");
+    let p = file.primitive_loaded();
+    assert_eq!(p.positions, [Vec3::ZERO, Vec3::X * 100.0, Vec3::new(100.0, 100.0, 0.0), Vec3::Y * 100.0]);
+    assert_eq!(p.normals, [Vec3::Z; 4]);
+    assert_eq!(p.uvs[2], Vec2::splat(3.0));
+    // Without the extension, integers are not allowed there.
+    file.json["extensionsRequired"] = json!([]);
+    assert!(file.reason().contains("Vec3 of I16 is not allowed here"));
+}
+
+#[test]
+fn a_mesh_may_be_copied() {
+    let mut file = File::quad();
+    let places = file.accessor(&floats(&[0., 0., 0., 0., 0., 3.]), 5126, "VEC3");
+    let half = std::f32::consts::FRAC_1_SQRT_2;
+    let turns = file.accessor(&floats(&[0., 0., 0., 1., 0., 0., half, half]), 5126, "VEC4");
+    let attributes = json!({"TRANSLATION": places, "ROTATION": turns, "_ID": 99});
+    file.json["nodes"][0]["extensions"] = json!({"EXT_mesh_gpu_instancing": {"attributes": attributes}});
+    file.json["nodes"][0]["translation"] = json!([10, 0, 0]);
+    let scene = file.load().unwrap();
+    assert_eq!((scene.meshes.len(), scene.instances.len(), scene.triangle_count()), (1, 2, 4));
+    let corner = |i: usize| scene.origin.as_vec3() + far_corner(&scene, i);
+    assert!((corner(0) - Vec3::new(11.0, 1.0, 0.0)).length() < 1e-5);
+    assert!((corner(1) - Vec3::new(9.0, 1.0, 3.0)).length() < 1e-5);
+    file.json["accessors"][turns]["count"] = json!(1);
+    assert!(file.reason().contains("node 0 'quad': EXT_mesh_gpu_instancing: its attributes have different"));
+}
+
+#[test]
+fn what_hidden_nodes_hold_is_not_there_but_for_cameras() {
+    let mut file = File::quad();
+    file.json["cameras"] = json!([{"type": "perspective", "perspective": {"yfov": 0.5, "znear": 0.1}}]);
+    file.json["extensions"] = json!({"KHR_lights_punctual": {"lights": [{"type": "point"}]}});
+    file.json["scenes"][0]["nodes"] = json!([0, 1]);
+    let nodes = file.json["nodes"].as_array_mut().unwrap();
+    nodes.push(json!({"children": [2], "extensions": {"KHR_node_visibility": {"visible": false}}}));
+    let light = json!({"KHR_lights_punctual": {"light": 0}, "KHR_node_visibility": {"visible": true}});
+    nodes.push(json!({"mesh": 0, "camera": 0, "extensions": light}));
+    let scene = file.load().unwrap();
+    assert_eq!((scene.instances.len(), scene.point_lights.len(), scene.cameras.len()), (1, 0, 1));
+    assert_eq!(scene.cameras[0].name, "0");
+    file.json["nodes"][1]["extensions"]["KHR_node_visibility"]["visible"] = json!(true);
+    let scene = file.load().unwrap();
+    assert_eq!((scene.instances.len(), scene.point_lights.len()), (2, 1));
+}
+
+#[test]
+fn the_node_of_a_skin_does_not_move_it() {
+    let mut file = File::quad();
+    file.json["skins"] = json!([{"joints": [0]}]);
+    file.json["nodes"][0]["skin"] = json!(0);
+    file.json["nodes"][0]["translation"] = json!([5, 0, 0]);
+    let scene = file.load().unwrap();
+    assert_eq!(far_corner(&scene, 0), Vec3::new(1.0, 1.0, 0.0));
+    assert_eq!(scene.warnings, ["skins are drawn as modelled: node 0 'quad'"]);
+}
+
+#[test]
+fn paths_may_have_backslashes_and_another_case() {
+    let folder = Folder::new("case");
+    let mut file = File::quad();
+    std::fs::create_dir_all(folder.0.join("Data")).unwrap();
+    file.json["buffers"] = json!([{"uri": "data\\QUAD.bin", "byteLength": file.bin.len()}]);
+    folder.write("Data/quad.BIN", &file.bin);
+    let path = folder.write("quad.gltf", file.json.to_string().as_bytes());
+    assert_eq!(load(&path).unwrap().triangle_count(), 2);
+}
