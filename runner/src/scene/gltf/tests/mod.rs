@@ -1,6 +1,7 @@
 //! Tests of the loader as a whole, on a small file that each of them changes a little.
 
 mod animations;
+mod draco;
 mod errors;
 mod far;
 mod features;
