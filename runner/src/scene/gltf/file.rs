@@ -7,11 +7,13 @@ use std::path::Path;
 
 /// Extensions that are drawn, at least approximately: a file may require them.
 pub const SUPPORTED_EXTENSIONS: &[&str] = &[
+    "EXT_texture_webp",
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
     "KHR_materials_pbrSpecularGlossiness",
     "KHR_materials_unlit",
+    "KHR_texture_basisu",
     "KHR_texture_transform",
 ];
 

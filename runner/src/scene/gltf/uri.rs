@@ -1,14 +1,21 @@
 //! What a glTF URI points to: a file beside the scene or data in the URI itself.
 
 use super::Reason;
-use std::fs;
-use std::io;
-use std::path::Path;
+use crate::files;
+use std::borrow::Cow;
+use std::path::{Path, PathBuf};
 
-/// The bytes of `uri`; file names are relative to `base`. Errors: other schemes, no such file, broken base64.
-pub fn read(uri: &str, base: &Path) -> Reason<Vec<u8>> {
+/// What a URI stands for.
+pub enum Content<'a> {
+    Bytes(Cow<'a, [u8]>),
+    /// Not yet opened.
+    File(PathBuf),
+}
+
+/// Where `uri` points to; file names are relative to `base`. Errors: other schemes, broken base64.
+pub fn find(uri: &str, base: &Path) -> Reason<Content<'static>> {
     if uri.starts_with("data:") {
-        return read_data(uri);
+        return Ok(Content::Bytes(read_data(uri)?.into()));
     }
     if uri.contains("://") || uri.starts_with("file:") {
         return Err(format!("'{uri}': only relative file names and data: URIs can be read"));
@@ -17,16 +24,17 @@ pub fn read(uri: &str, base: &Path) -> Reason<Vec<u8>> {
     let path = base.join(&decoded);
     // Some exporters write file names as they are, percent signs included.
     let literal = base.join(uri);
-    let path = if !path.exists() && literal.exists() { literal } else { path };
-    read_file(&path).map_err(|error| format!("can't read '{}': {error}", path.display()))
+    Ok(Content::File(if !path.exists() && literal.exists() { literal } else { path }))
 }
 
-/// As `fs::read`, but of regular files only: a pipe or a device would never end.
-pub fn read_file(path: &Path) -> io::Result<Vec<u8>> {
-    if !fs::metadata(path)?.is_file() {
-        return Err(io::Error::other("not a regular file"));
+/// The bytes of `uri`. Errors: as [`find`], no such file.
+pub fn read(uri: &str, base: &Path) -> Reason<Vec<u8>> {
+    match find(uri, base)? {
+        Content::Bytes(bytes) => Ok(bytes.into_owned()),
+        Content::File(path) => {
+            files::bytes(&path).map_err(|error| format!("can't read '{}': {error}", path.display()))
+        }
     }
-    fs::read(path)
 }
 
 /// What to call a URI in a message: its name, or the head of its data.
