@@ -6,7 +6,9 @@
 use candela::frame::renderer::{FrameOptions, Renderer};
 use candela::frame::schedule::{Primary, Work};
 use candela::scene::animation::{Channel, Curve, Interpolation, Local, Node, Thing, Track};
-use candela::scene::{self, AlphaMode, Instance, Material, Mesh, Primitive, SceneDescription, SceneSource};
+use candela::scene::{
+    self, AlphaMode, Illumination, Instance, Material, Mesh, Primitive, SceneDescription, SceneSource,
+};
 use glam::{Affine3A, DAffine3, DQuat, DVec3, Quat, UVec2, Vec3, Vec3A, Vec4};
 use shared::alpha::primary_key;
 use shared::camera::Camera;
@@ -120,7 +122,7 @@ fn look(eye: Vec3, at: Vec3, fov_y: f32) -> Camera {
 }
 
 fn loaded(source: SceneSource) -> (SceneDescription, Camera) {
-    let scene = scene::load(&source, 4, None).expect("the scene loads");
+    let scene = scene::load(&source, &Illumination::points(4)).expect("the scene loads");
     let view = scene.cameras[0].clone();
     let camera = Camera::new(view.position, view.forward, view.up, view.fov_y, SIZE);
     (scene, camera)

@@ -1,8 +1,9 @@
 //! Writing pictures: whole or not at all.
 
 use crate::error::{Error, Result};
+use crate::files;
 use glam::{UVec2, Vec3};
-use image::{ImageFormat, Rgb, Rgb32FImage, RgbaImage};
+use image::{ImageFormat, ImageReader, Rgb, Rgb32FImage, RgbaImage};
 use std::io::{self, Cursor};
 use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
@@ -74,7 +75,10 @@ pub fn write_exr(path: &Path, size: UVec2, radiance: &[Vec3]) -> Result<()> {
 
 /// Reads an EXR file back: size and radiance.
 pub fn read_exr(path: &Path) -> Result<(UVec2, Vec<Vec3>)> {
-    let picture = image::open(path).map_err(|e| undecodable(path, e))?.into_rgb32f();
+    let bytes = files::read(path)?;
+    let reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format();
+    let picture = reader.map_err(|e| undecodable(path, e.into()))?.decode();
+    let picture = picture.map_err(|e| undecodable(path, e))?.into_rgb32f();
     let size = UVec2::new(picture.width(), picture.height());
     Ok((size, picture.pixels().map(|p| Vec3::from_array(p.0)).collect()))
 }

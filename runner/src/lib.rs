@@ -4,6 +4,7 @@ pub mod cli;
 pub mod error;
 pub mod explain;
 pub mod exposure;
+pub mod files;
 pub mod frame;
 pub mod gpu_scene;
 pub mod image_io;

@@ -19,3 +19,17 @@ fn a_closed_pipe_ends_the_program_quietly() {
     let whole = info().output().expect("it runs");
     assert!(whole.status.success() && !whole.stdout.is_empty());
 }
+
+/// A full disk is no success.
+#[test]
+#[cfg(target_os = "linux")]
+fn a_full_output_is_said() {
+    for arguments in [&["info", "knot", "100"][..], &["--help"]] {
+        let full = std::fs::OpenOptions::new().write(true).open("/dev/full").expect("Linux has it");
+        let mut command = Command::new(env!("CARGO_BIN_EXE_candela"));
+        let output = command.args(arguments).stdout(full).stderr(Stdio::piped()).output().expect("it runs");
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!((output.status.code(), said.lines().count()), (Some(3), 1), "{arguments:?}: {said}");
+        assert!(said.contains("standard output") && said.contains("No space left"), "{said}");
+    }
+}

@@ -19,14 +19,15 @@ mod sweep;
 mod view;
 mod window;
 
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::startup;
 use args::{Cli, Command};
 use clap::Parser;
+use std::io;
 
 /// Runs the command that the program was started with; ends it where that can't be understood, or asks for help.
 pub fn run() -> Result<()> {
-    let cli = Cli::parse();
+    let cli = parse()?;
     if cli.timings() {
         startup::report();
     }
@@ -45,4 +46,14 @@ pub fn run() -> Result<()> {
         Command::Page { page } => page::update(&page),
         Command::Fixtures { directory } => fixtures::run(&directory),
     }
+}
+
+/// As clap does it, which takes a full disk for a success where it is asked for help.
+fn parse() -> Result<Cli> {
+    Cli::try_parse().or_else(|answer| match answer.print() {
+        Err(source) if source.kind() != io::ErrorKind::BrokenPipe => {
+            Err(Error::Write { path: "standard output".into(), source })
+        }
+        _ => std::process::exit(answer.exit_code()),
+    })
 }

@@ -9,9 +9,17 @@ use glam::{UVec2, Vec3};
 use shared::tonemap;
 use std::path::Path;
 
-/// Writes `radiance` (nit) as the picture that was asked for.
-pub fn write(args: &PictureArgs, format: PictureFormat, radiance: &[Vec3]) -> Result<()> {
-    let exposure = exposure::automatic(radiance, args.exposure);
+/// Writes `radiance` (nit) as the picture that was asked for, under the exposure that was metered, or by itself.
+pub fn write(
+    args: &PictureArgs,
+    format: PictureFormat,
+    radiance: &[Vec3],
+    metered: Option<f32>,
+) -> Result<()> {
+    let exposure = match metered {
+        Some(exposure) => exposure * args.exposure.exp2(),
+        None => exposure::automatic(radiance, args.exposure),
+    };
     write_exposed(&args.output, args.size, format, radiance, exposure)?;
     println!("wrote {}", args.output.display());
     Ok(())

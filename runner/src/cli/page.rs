@@ -1,15 +1,15 @@
 //! The tables of docs/command-line.md, written from what the program knows.
 
 use crate::error::{Error, Kind, Result};
-use crate::image_io;
 use crate::knobs::ALL;
 use crate::measure::report::markdown::{fill, write_table};
 use crate::measure::report::tables::Table;
+use crate::{files, image_io};
 use std::path::Path;
 
 /// Rewrites `page`: what stands between `<!-- table NAME -->` and `<!-- end -->`.
 pub fn update(page: &Path) -> Result<()> {
-    let text = std::fs::read_to_string(page).map_err(Error::read(page))?;
+    let text = files::read_text(page)?;
     image_io::replace(page, render(&text, page)?.as_bytes())
 }
 

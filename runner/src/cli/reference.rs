@@ -6,6 +6,7 @@ use crate::error::Result;
 use crate::frame::renderer::{FrameOptions, Renderer};
 use crate::frame::schedule::{Primary, Work};
 use crate::gpu_scene::GpuScene;
+use crate::image_io::PictureFormat;
 use crate::measure::mean::Mean;
 use crate::vulkan::Device;
 use clap::Args;
@@ -43,6 +44,10 @@ pub fn run(args: &ReferenceArgs) -> Result<()> {
         exposure: 1.0,
         background: Vec3::ZERO,
     };
+    let metered = match format {
+        PictureFormat::Png => renderer.meter(camera, &options)?,
+        PictureFormat::Exr => None,
+    };
     let bar = progress::bar(args.samples.into(), "reference");
     let mut mean = Mean::new(args.picture.size);
     for _ in 0..args.samples {
@@ -51,7 +56,7 @@ pub fn run(args: &ReferenceArgs) -> Result<()> {
         bar.inc(1);
     }
     bar.finish_and_clear();
-    output::write(&args.picture, format, &mean.radiance())?;
+    output::write(&args.picture, format, &mean.radiance(), metered)?;
     println!("{}: {lights} lights, {} samples each", device.info().name, args.samples);
     if args.samples > 1 {
         println!("standard error of the mean: {:.2e} of the mean luminance", mean.relative_standard_error());

@@ -7,6 +7,7 @@ use crate::error::Result;
 use crate::frame::renderer::{FrameOptions, Renderer};
 use crate::frame::schedule::Work;
 use crate::gpu_scene::GpuScene;
+use crate::image_io::PictureFormat;
 use crate::measure::mean::Mean;
 use crate::measure::times::PassTimes;
 use crate::startup;
@@ -78,6 +79,11 @@ fn still(args: &RenderArgs, frames: u32) -> Result<()> {
         background: Vec3::ZERO,
     };
 
+    // Radiance is radiance: only what is made for a display looks at one.
+    let metered = match format {
+        PictureFormat::Png => renderer.meter(camera, &options)?,
+        PictureFormat::Exr => None,
+    };
     let bar = progress::bar(frames.into(), "rendering");
     let mut times = PassTimes::default();
     let mut mean = Mean::new(size);
@@ -94,7 +100,7 @@ fn still(args: &RenderArgs, frames: u32) -> Result<()> {
     bar.finish_and_clear();
 
     let radiance = if args.accumulate { mean.radiance() } else { renderer.radiance()? };
-    output::write(&args.picture, format, &radiance)?;
+    output::write(&args.picture, format, &radiance, metered)?;
     let lights = renderer.scene().light_count();
     println!("{}: {lights} lights, {}x{}, {} frames", device.info().name, size.x, size.y, frames);
     println!("{}", times.summary());
@@ -103,6 +109,9 @@ fn still(args: &RenderArgs, frames: u32) -> Result<()> {
     println!("rays a frame: at most {} ({rays} a pixel)", rays * pixels);
     output::check_validation(&device)
 }
+
+/// Most pictures of one sequence.
+const MAX_PICTURES: usize = 1_000_000;
 
 fn parse_frames(text: &str) -> Result<Frames, String> {
     const EXPECTED: &str = "expected a number of frames above 0, or a range A..B with A < B";
@@ -114,6 +123,9 @@ fn parse_frames(text: &str) -> Result<Frames, String> {
     match &frames {
         Frames::Still(0) => Err(EXPECTED.into()),
         Frames::Sequence(range) if range.is_empty() => Err(EXPECTED.into()),
+        Frames::Sequence(range) if range.len() > MAX_PICTURES => {
+            Err(format!("a sequence has at most {MAX_PICTURES} pictures; ask for it in parts"))
+        }
         _ => Ok(frames),
     }
 }

@@ -13,6 +13,7 @@ use crate::measure::times::PassTimes;
 use crate::scene::SceneDescription;
 use crate::vulkan::Device;
 use glam::Vec3;
+use shared::camera::Camera;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -53,7 +54,7 @@ pub fn run(args: &RenderArgs, frames: Range<u32>) -> Result<()> {
     // The same for all pictures, and for all jobs that share the sequence.
     let exposure = match format {
         PictureFormat::Exr => 1.0,
-        PictureFormat::Png => exposure::automatic(&film.picture(0)?, args.picture.exposure),
+        PictureFormat::Png => film.exposure()?,
     };
     for (frame, path) in &missing {
         let radiance = film.picture(*frame)?;
@@ -94,16 +95,31 @@ impl Film<'_> {
         self.renderer.radiance()
     }
 
+    /// By the first picture.
+    fn exposure(&mut self) -> Result<f32> {
+        let stops = self.args.picture.exposure;
+        let camera = self.set(0)?;
+        match self.renderer.meter(camera, &self.options)? {
+            Some(exposure) => Ok(exposure * stops.exp2()),
+            None => Ok(exposure::automatic(&self.picture(0)?, stops)),
+        }
+    }
+
     fn render(&mut self, frame: u32) -> Result<()> {
+        let camera = self.set(frame)?;
+        self.times.add(self.renderer.render(camera, &self.options)?);
+        Ok(())
+    }
+
+    /// The scene as `frame` shows it, and its camera.
+    fn set(&mut self, frame: u32) -> Result<Camera> {
         let time = self.args.picture.time.unwrap_or(0.0) + f64::from(frame) / f64::from(self.args.fps);
         let pose = self.scene.pose(time);
         self.scene.apply(&pose);
         if self.scene.animation.moves_things() {
             self.renderer.update_scene(&self.scene, &pose)?;
         }
-        let camera = view::camera(&self.scene, &self.args.picture)?;
-        self.times.add(self.renderer.render(camera, &self.options)?);
-        Ok(())
+        view::camera(&self.scene, &self.args.picture)
     }
 }
 

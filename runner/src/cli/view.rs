@@ -16,7 +16,7 @@ pub fn load_scene(args: &SceneArgs) -> Result<SceneDescription> {
 
 /// As [`load_scene`], in silence.
 pub fn load(args: &SceneArgs) -> Result<SceneDescription> {
-    scene::load(&args.source(), args.light_count(), args.environment_source().as_ref())
+    scene::load(&args.source(), &args.illumination())
 }
 
 /// Poses `scene` at the time that the command line asks for, if it does.

@@ -1,6 +1,6 @@
 //! `candela`: the viewer.
 
-use super::args::values::{parse_size, time};
+use super::args::values::{parse_size, stops, time};
 use super::args::{DeviceArgs, KnobArgs, SceneArgs};
 use super::{output, view};
 use crate::error::Result;
@@ -25,7 +25,7 @@ pub struct ViewArgs {
     #[arg(long, allow_hyphen_values = true)]
     pub camera: Option<String>,
     /// Stops brighter (+) or darker (-) than the automatic exposure.
-    #[arg(long, default_value_t = 0.0, allow_hyphen_values = true)]
+    #[arg(long, default_value_t = 0.0, allow_hyphen_values = true, value_parser = stops)]
     pub exposure: f32,
     /// Pose the scene's animations at T seconds [default: at rest].
     #[arg(long, value_name = "T", value_parser = time)]
@@ -44,11 +44,7 @@ pub fn run(args: &ViewArgs) -> Result<()> {
     view::pose(&mut scene, args.time);
     let camera = scene.camera(args.camera.as_deref())?;
     let device = display.device.clone();
-    let source = Source {
-        scene: args.scene.source(),
-        lights: args.scene.light_count(),
-        environment: args.scene.environment_source(),
-    };
+    let source = Source { scene: args.scene.source(), illumination: args.scene.illumination() };
     display.run(Start {
         device: device.clone(),
         scene,

@@ -4,6 +4,7 @@ use super::history::History;
 use super::recorder::Recorder;
 use super::targets::Target;
 use crate::error::Result;
+use crate::exposure;
 use crate::gpu_scene::GpuScene;
 use crate::scene::SceneDescription;
 use crate::scene::animation::Pose;
@@ -80,6 +81,21 @@ impl Renderer {
         let Renderer { device, recorder, history, timestamps } = self;
         device.submit_once("frame", |cmd| recorder.record(cmd, history, camera, options, timestamps))?;
         self.timestamps.read()
+    }
+
+    /// The exposure for the next frames where unlit surfaces are seen, none where there are none: that of what is lit, under
+    /// which white unlit surfaces become display white. Forgets the past.
+    pub fn meter(&mut self, camera: Camera, options: &FrameOptions) -> Result<Option<f32>> {
+        if !self.scene().has_unlit() {
+            return Ok(None);
+        }
+        // Black does not count.
+        self.scene().set_unlit_white(&self.device, 0.0)?;
+        self.render(camera, options)?;
+        let exposure = exposure::automatic(&self.radiance()?, 0.0);
+        self.scene().set_unlit_white(&self.device, 1.0 / exposure)?;
+        self.restart();
+        Ok(Some(exposure))
     }
 
     /// What renders, and what it has rendered so far.

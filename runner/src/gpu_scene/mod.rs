@@ -17,9 +17,10 @@ use crate::vulkan::{
 use arrays::{SceneArrays, environment_texels};
 use ash::vk;
 use draws::Draws;
-use glam::{Affine3A, UVec2, Vec3A};
+use glam::{Affine3A, UVec2, Vec3, Vec3A};
 use past::Past;
 use shared::frame::features;
+use shared::material::{Material, UNLIT_WHITE};
 use shared::resources::{Binding as Place, Resource, set};
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
@@ -41,6 +42,8 @@ pub struct GpuScene {
     /// Set 2 while nothing has moved: passes that may read it are bound to the present.
     present: DescriptorSet,
     past: Option<Past>,
+    /// Materials that are unlit, with their base colors.
+    unlit: Vec<(usize, Vec3)>,
     // Kept for the descriptors above.
     textures: Vec<Image>,
 }
@@ -108,8 +111,10 @@ impl GpuScene {
         for place in places(set::PAST) {
             present.bind_storage_buffer(place.number(), &buffers[&Resource::instances]);
         }
+        let unlit = scene.materials.iter().enumerate().filter(|(_, material)| material.unlit);
         Ok(GpuScene {
             present,
+            unlit: unlit.map(|(i, material)| (i, material.base_color.truncate())).collect(),
             set,
             light_count: lights.lights.len() as u32,
             environment_size: environment_size(scene),
@@ -127,6 +132,23 @@ impl GpuScene {
 
     pub fn set(&self) -> &DescriptorSet {
         &self.set
+    }
+
+    pub fn has_unlit(&self) -> bool {
+        !self.unlit.is_empty()
+    }
+
+    /// Shows white unlit surfaces with `white` nit from the next frame on ([`UNLIT_WHITE`] before the first call). Nothing may
+    /// be in flight.
+    pub fn set_unlit_white(&self, device: &Device, white: f32) -> Result<()> {
+        let stride = size_of::<Material>();
+        let mut upload = Uploader::with_capacity(device, (self.unlit.len() * stride) as u64);
+        for &(i, color) in &self.unlit {
+            let offset = i * stride + std::mem::offset_of!(Material, base_color);
+            let shown = color * (white / UNLIT_WHITE);
+            upload.write(&self.buffers[&Resource::materials], offset as u64, &[shown])?;
+        }
+        upload.finish()
     }
 
     /// The triangles, for the graphics pipeline.

@@ -2,12 +2,13 @@
 
 use super::{ALL, Knob, Knobs, Value};
 use crate::error::{Error, Result};
+use crate::files;
 use std::path::Path;
 
 impl Knobs {
     /// Reads a JSON document.
     pub fn read(path: &Path) -> Result<Self> {
-        let text = std::fs::read_to_string(path).map_err(Error::read(path))?;
+        let text = files::read_text(path)?;
         let knobs: Knobs = serde_json::from_str(&text).map_err(Error::input(path))?;
         knobs.check().map_err(Error::input(path))?;
         Ok(knobs)

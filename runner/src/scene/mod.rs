@@ -14,7 +14,7 @@ mod source;
 pub mod viewpoint;
 
 pub use environment::Environment;
-pub use source::{EnvironmentSource, load};
+pub use source::{EnvironmentSource, Illumination, load};
 
 use glam::{Affine3A, DVec3, Vec2, Vec3, Vec4};
 use shared::material::{DIELECTRIC_F0, UvMap, slot};

@@ -16,6 +16,32 @@ pub struct EnvironmentSource {
     pub path: PathBuf,
     /// Factor from the file's values to nit.
     pub scale: f32,
+    /// Degrees about +Y.
+    pub rotation: f32,
+}
+
+impl EnvironmentSource {
+    /// As the file has it.
+    pub fn new(path: PathBuf) -> Self {
+        EnvironmentSource { path, scale: 1.0, rotation: 0.0 }
+    }
+}
+
+/// What lights a scene apart from the lights that it brings, and how strong its emission is.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Illumination {
+    /// Point lights of the atrium, or of a file that brings no light and has no environment around it.
+    pub lights: usize,
+    pub environment: Option<EnvironmentSource>,
+    /// Factor on what materials emit.
+    pub emissive_scale: f32,
+}
+
+impl Illumination {
+    /// So many point lights, and nothing else.
+    pub fn points(lights: usize) -> Self {
+        Illumination { lights, environment: None, emissive_scale: 1.0 }
+    }
 }
 
 impl SceneSource {
@@ -29,24 +55,21 @@ impl SceneSource {
     }
 }
 
-/// Loads or generates a scene. `light_count` point lights light the atrium, or a file that brings no light of its own
-/// and has no environment around it.
-pub fn load(
-    source: &SceneSource,
-    light_count: usize,
-    environment: Option<&EnvironmentSource>,
-) -> Result<SceneDescription> {
+/// Loads or generates a scene, and lights it.
+pub fn load(source: &SceneSource, illumination: &Illumination) -> Result<SceneDescription> {
+    let &Illumination { lights, ref environment, emissive_scale } = illumination;
     let mut scene = startup::timed("scene", || match source {
-        SceneSource::Atrium => Ok(atrium::atrium(light_count)),
+        SceneSource::Atrium => Ok(atrium::atrium(lights)),
         SceneSource::Knot => Ok(knot::knot()),
         SceneSource::File(path) => gltf::load(path),
     })?;
+    scene.materials.iter_mut().for_each(|material| material.emission *= emissive_scale);
     if let Some(source) = environment {
-        let (map, warning) = environment::load(&source.path, source.scale)?;
+        let (map, warnings) = environment::load(source)?;
         scene.environment = Some(map);
-        scene.warnings.extend(warning);
+        scene.warnings.extend(warnings);
     } else if !is_lit(&scene) {
-        scatter(&mut scene, light_count, SCATTER_SEED);
+        scatter(&mut scene, lights, SCATTER_SEED);
     }
     Ok(scene)
 }

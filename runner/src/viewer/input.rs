@@ -184,7 +184,7 @@ pub const MOUSE_HELP: &[(&str, &str)] = &[
     ("right or middle drag", "move across"),
     ("wheel, two fingers, pinch", "nearer; faster when flying"),
     ("click", "inspect the pixel; orbits go around that point"),
-    ("drop a file", ".glb or .gltf: another scene; .hdr or .exr: another sky"),
+    ("drop a file", ".glb or .gltf: another scene; .hdr, .exr or a picture: another sky"),
 ];
 
 /// The command of a key that is pressed.

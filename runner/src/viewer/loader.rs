@@ -119,12 +119,12 @@ impl<T> Drop for Loader<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::SceneSource;
+    use crate::scene::{Illumination, SceneSource};
     use std::path::Path;
     use std::sync::mpsc;
 
     fn atrium() -> Source {
-        Source { scene: SceneSource::Atrium, lights: 7, environment: None }
+        Source { scene: SceneSource::Atrium, illumination: Illumination::points(7) }
     }
 
     #[test]

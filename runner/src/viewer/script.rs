@@ -23,7 +23,7 @@
 
 use super::input::{Button, Command, Input, KeyCode};
 use crate::error::{Error, Result};
-use crate::knobs;
+use crate::{files, knobs};
 use glam::{UVec2, Vec2};
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
@@ -40,6 +40,8 @@ pub enum Event {
     Save(PathBuf),
     FailUpload(Error),
     Fail(Error),
+    /// The window, whatever else is open in it: Escape closes the help first.
+    Close,
 }
 
 #[derive(Debug)]
@@ -64,8 +66,7 @@ const MOST: u32 = 100_000;
 
 impl Script {
     pub fn read(path: &Path) -> Result<Script> {
-        let text = std::fs::read_to_string(path).map_err(Error::read(path))?;
-        Script::parse(&text).map_err(Error::input(path))
+        Script::parse(&files::read_text(path)?).map_err(Error::input(path))
     }
 
     fn parse(text: &str) -> Result<Script, String> {
@@ -150,7 +151,7 @@ fn parse_line(words: &[&str]) -> Option<Vec<Line>> {
             "upload" => Event::FailUpload(out_of_memory("acceleration structures")),
             _ => return None,
         }),
-        "close" => inputs(vec![Input::Command(Command::Quit)]),
+        "close" => one(Event::Close),
         _ => None,
     }
 }
@@ -229,7 +230,7 @@ mod tests {
             script.frame_done();
         }
         assert!(script.next(false).is_some());
-        assert!(matches!(script.next(false), Some(Event::Input(Input::Command(Command::Quit)))));
+        assert!(matches!(script.next(false), Some(Event::Close)));
     }
 
     #[test]

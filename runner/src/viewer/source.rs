@@ -1,36 +1,33 @@
 //! Where a scene comes from.
 
 use crate::error::{Error, Result};
-use crate::scene::{self, EnvironmentSource, SceneDescription, SceneSource};
+use crate::scene::{self, EnvironmentSource, Illumination, SceneDescription, SceneSource};
 use std::path::Path;
 
 /// Where a scene and its light come from.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Source {
     pub scene: SceneSource,
-    /// Point lights of the atrium, or of a file without light.
-    pub lights: usize,
-    pub environment: Option<EnvironmentSource>,
+    pub illumination: Illumination,
 }
 
 impl Source {
     pub fn load(&self) -> Result<SceneDescription> {
-        scene::load(&self.scene, self.lights, self.environment.as_ref())
+        scene::load(&self.scene, &self.illumination)
     }
 
     /// What this becomes when `path` is dropped on it: another scene, or another sky over the same one.
     pub fn with_file(&self, path: &Path) -> Result<Source> {
         let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
+        let under = |environment| Illumination { environment, ..self.illumination.clone() };
         match extension.as_str() {
-            "glb" | "gltf" => {
-                Ok(Source { scene: SceneSource::File(path.into()), environment: None, ..self.clone() })
-            }
-            "hdr" | "exr" => {
-                let environment = EnvironmentSource { path: path.into(), scale: 1.0 };
-                Ok(Source { environment: Some(environment), ..self.clone() })
+            "glb" | "gltf" => Ok(Source { scene: SceneSource::File(path.into()), illumination: under(None) }),
+            "hdr" | "exr" | "png" | "jpg" | "jpeg" | "webp" => {
+                let environment = EnvironmentSource::new(path.into());
+                Ok(Source { scene: self.scene.clone(), illumination: under(Some(environment)) })
             }
             _ => Err(Error::Usage(format!(
-                "{}: not a scene (.glb, .gltf) and not a sky (.hdr, .exr)",
+                "{}: not a scene (.glb, .gltf) and not a sky (.hdr, .exr, .png, .jpg, .webp)",
                 path.display()
             ))),
         }
@@ -38,7 +35,7 @@ impl Source {
 
     /// As messages name it: the sky if there is one, else the scene.
     pub fn name(&self) -> String {
-        match (&self.environment, &self.scene) {
+        match (&self.illumination.environment, &self.scene) {
             (Some(environment), _) => environment.path.display().to_string(),
             (None, SceneSource::File(path)) => path.display().to_string(),
             (None, _) => self.arguments(),
@@ -52,12 +49,21 @@ impl Source {
             SceneSource::Knot => "knot".to_string(),
             SceneSource::File(path) => quoted(path),
         };
-        let sky = self.environment.as_ref().map_or(String::new(), |environment| {
-            let scale = environment.scale;
-            let scale = if scale == 1.0 { String::new() } else { format!(" --environment-scale {scale}") };
-            format!(" --environment {}{scale}", quoted(&environment.path))
+        let Illumination { lights, environment, emissive_scale } = &self.illumination;
+        let sky = environment.as_ref().map_or(String::new(), |environment| {
+            let EnvironmentSource { path, scale, rotation } = environment;
+            let option = |name: &str, value: f32, usual: f32| match value == usual {
+                true => String::new(),
+                false => format!(" --environment-{name} {value}"),
+            };
+            let changes = option("scale", *scale, 1.0) + &option("rotation", *rotation, 0.0);
+            format!(" --environment {}{changes}", quoted(path))
         });
-        format!("{scene} {}{sky}", self.lights)
+        let emission = match *emissive_scale {
+            1.0 => String::new(),
+            scale => format!(" --emissive-scale {scale}"),
+        };
+        format!("{scene} {lights}{sky}{emission}")
     }
 }
 
@@ -77,7 +83,7 @@ mod tests {
     use super::*;
 
     fn atrium() -> Source {
-        Source { scene: SceneSource::Atrium, lights: 7, environment: None }
+        Source { scene: SceneSource::Atrium, illumination: Illumination::points(7) }
     }
 
     #[test]

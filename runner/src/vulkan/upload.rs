@@ -30,7 +30,7 @@ impl Uploader {
     }
 
     /// For uploads known to be small: staging memory of at most `bytes`.
-    pub(super) fn with_capacity(device: &Device, bytes: u64) -> Uploader {
+    pub fn with_capacity(device: &Device, bytes: u64) -> Uploader {
         let capacity = align_up(bytes.clamp(ALIGNMENT, CHUNK), ALIGNMENT);
         Uploader { device: device.clone(), capacity, staging: None, used: 0, commands: None }
     }

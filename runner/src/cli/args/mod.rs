@@ -17,12 +17,12 @@ use super::roofline::RooflineArgs;
 use super::sweep::SweepArgs;
 use super::window::ViewArgs;
 use crate::error::Kind;
-use crate::scene::{EnvironmentSource, SceneSource};
+use crate::scene::{EnvironmentSource, Illumination, SceneSource};
 use crate::vulkan::{DeviceOptions, pipeline_cache};
 use clap::{Args, Parser, Subcommand};
 use glam::UVec2;
 use std::path::PathBuf;
-use values::{parse_size, positive, time};
+use values::{degrees, lights, parse_size, positive, stops, time};
 
 /// Direct lighting from thousands to millions of lights: ReSTIR DI on Vulkan ray tracing, every shader in Rust.
 #[derive(Debug, Parser)]
@@ -73,17 +73,24 @@ pub struct SceneArgs {
     #[arg(default_value = "atrium")]
     pub scene: PathBuf,
     /// Number of point lights: of the atrium, or scattered in a file that has no light [default: 500].
+    #[arg(value_parser = lights)]
     pub n_lights: Option<usize>,
     /// The same as N_LIGHTS.
-    #[arg(long, value_name = "N", conflicts_with = "n_lights")]
+    #[arg(long, value_name = "N", conflicts_with = "n_lights", value_parser = lights)]
     pub lights: Option<usize>,
-    /// Environment map around the scene: equirectangular .hdr or .exr, +Y up, its middle is +X; or `studio`, a built-in
-    /// one for looking at models.
+    /// Environment map around the scene: equirectangular .hdr or .exr (or, less bright, .png, .jpg, .webp), +Y up, its middle
+    /// is +X; or `studio`, a built-in one for looking at models.
     #[arg(long, value_name = "FILE")]
     pub environment: Option<PathBuf>,
     /// Factor from the environment map's values to nit.
     #[arg(long, value_name = "S", default_value_t = 1.0, value_parser = positive, requires = "environment")]
     pub environment_scale: f32,
+    /// Turn the environment map about +Y, as a node would: from +Z to +X.
+    #[arg(long, value_name = "DEGREES", default_value_t = 0.0, allow_hyphen_values = true, value_parser = degrees, requires = "environment")]
+    pub environment_rotation: f32,
+    /// Factor on what the scene's materials emit: files often mean a screen's white by 1, which is 1 nit.
+    #[arg(long, value_name = "S", default_value_t = 1.0, value_parser = positive)]
+    pub emissive_scale: f32,
 }
 
 #[derive(Args, Clone, Debug)]
@@ -118,7 +125,7 @@ pub struct PictureArgs {
     #[arg(long, default_value_t = 0)]
     pub seed: u32,
     /// Stops brighter (+) or darker (-) than the automatic exposure.
-    #[arg(long, default_value_t = 0.0, allow_hyphen_values = true)]
+    #[arg(long, default_value_t = 0.0, allow_hyphen_values = true, value_parser = stops)]
     pub exposure: f32,
     /// Pose the scene's animations at T seconds; of a sequence, the time of frame 0 [default: at rest; of a sequence 0].
     #[arg(long, value_name = "T", value_parser = time)]
@@ -159,9 +166,10 @@ impl SceneArgs {
         SceneSource::named(&self.scene)
     }
 
-    pub fn environment_source(&self) -> Option<EnvironmentSource> {
-        let path = self.environment.clone()?;
-        Some(EnvironmentSource { path, scale: self.environment_scale })
+    pub fn illumination(&self) -> Illumination {
+        let (scale, rotation) = (self.environment_scale, self.environment_rotation);
+        let environment = self.environment.clone().map(|path| EnvironmentSource { path, scale, rotation });
+        Illumination { lights: self.light_count(), environment, emissive_scale: self.emissive_scale }
     }
 
     pub fn light_count(&self) -> usize {

@@ -1,5 +1,6 @@
 //! Parsers of single values.
 
+use crate::scene::lights::MAX_LIGHTS;
 use glam::UVec2;
 
 pub fn time(text: &str) -> Result<f64, String> {
@@ -15,6 +16,26 @@ pub fn parse_size(text: &str) -> Result<UVec2, String> {
         (Ok(x), Ok(y)) if (1..=16384).contains(&x) && (1..=16384).contains(&y) => Ok(UVec2::new(x, y)),
         _ => Err("width and height go from 1 to 16384".into()),
     }
+}
+
+/// A number of lights.
+pub fn lights(text: &str) -> Result<usize, String> {
+    text.parse()
+        .ok()
+        .filter(|n| *n <= MAX_LIGHTS)
+        .ok_or_else(|| format!("expected a number of lights, at most {MAX_LIGHTS}"))
+}
+
+pub fn degrees(text: &str) -> Result<f32, String> {
+    text.parse()
+        .ok()
+        .filter(|x: &f32| x.abs() <= 36000.0)
+        .ok_or_else(|| "expected degrees, at most a hundred turns".into())
+}
+
+/// Stops of exposure.
+pub fn stops(text: &str) -> Result<f32, String> {
+    text.parse().ok().filter(|x: &f32| x.abs() <= 64.0).ok_or_else(|| "expected stops, from -64 to 64".into())
 }
 
 pub fn positive(text: &str) -> Result<f32, String> {

@@ -4,9 +4,9 @@
 
 use super::tables::{self, COLUMNS, Table};
 use super::{Group, html, read, verdict};
-use crate::error::{Error, Result};
-use crate::image_io;
+use crate::error::Result;
 use crate::measure::sweep::Results;
+use crate::{files, image_io};
 use std::fmt::Write;
 use std::path::Path;
 
@@ -24,7 +24,7 @@ pub fn update(page: &Path, directory: &Path) -> Result<()> {
 
 /// What [`update`] writes.
 pub fn render(page: &Path, directory: &Path) -> Result<(String, Vec<Picture>)> {
-    let old = std::fs::read_to_string(page).map_err(Error::read(page))?;
+    let old = files::read_text(page)?;
     // As a link from the page: both are given from the same folder.
     let folder = directory.strip_prefix(page.parent().unwrap_or(Path::new(""))).unwrap_or(directory);
     let mut pictures = Vec::new();

@@ -8,11 +8,11 @@ pub mod tables;
 pub mod verdict;
 
 use crate::error::{Error, Result};
-use crate::image_io;
 use crate::measure::sweep::point::Judged;
 use crate::measure::sweep::store::to_json;
 use crate::measure::sweep::truth::Method;
 use crate::measure::sweep::{Results, Row};
+use crate::{files, image_io};
 use std::path::Path;
 
 /// Writes the three files to `directory`.
@@ -30,8 +30,7 @@ pub fn write(directory: &Path, results: &Results) -> Result<()> {
 
 /// Reads a points.json.
 pub fn read(path: &Path) -> Result<Results> {
-    let bytes = std::fs::read(path).map_err(Error::read(path))?;
-    serde_json::from_slice(&bytes).map_err(Error::input(path))
+    serde_json::from_str(&files::read_text(path)?).map_err(Error::input(path))
 }
 
 /// Checks, before any work is done, that results can be written to `directory`.

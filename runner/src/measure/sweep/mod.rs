@@ -13,7 +13,7 @@ use crate::frame::renderer::Renderer;
 use crate::frame::schedule::Primary;
 use crate::gpu_scene::GpuScene;
 use crate::measure::mean::Mean;
-use crate::scene::{self, SceneDescription, SceneSource};
+use crate::scene::{self, Illumination, SceneDescription, SceneSource};
 use crate::vulkan::{Device, DeviceOptions};
 use about::About;
 use plan::{Plan, PointSpec};
@@ -130,7 +130,7 @@ impl Sweep<'_> {
             SceneSource::File(path) => SceneSource::File(self.base.join(path)),
             built_in => built_in,
         };
-        let scene = scene::load(&source, spec.lights, None)?;
+        let scene = scene::load(&source, &Illumination::points(spec.lights))?;
         let scene_key = store::scene_key(&scene);
         let reservoirs = group.iter().map(|p| p.settings.reservoirs).max().unwrap_or(1);
         Ok(Bench { scene, scene_key, reservoirs, device, renderer: None })

@@ -2,9 +2,12 @@
 
 use super::steady::SteadyPlan;
 use crate::error::{Error, Result};
+use crate::files;
 use crate::knobs::Knobs;
+use crate::scene::lights::MAX_LIGHTS;
 use glam::UVec2;
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 
@@ -16,6 +19,9 @@ pub const BUILT_IN: [(&str, &str); 5] = [
     ("modes", include_str!("../../../../assets/plans/modes.toml")),
     ("smoke", include_str!("../../../../assets/plans/smoke.toml")),
 ];
+
+/// Most points of a plan: lists of knobs multiply.
+const MAX_POINTS: usize = 100_000;
 
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -160,7 +166,7 @@ impl Plan {
         if let Some((_, text)) = BUILT_IN.iter().find(|(name, _)| path.as_os_str() == *name) {
             return Ok((Plan::parse(text, path)?, PathBuf::new()));
         }
-        let text = std::fs::read_to_string(path).map_err(Error::read(path))?;
+        let text = files::read_text(path)?;
         Ok((Plan::parse(&text, path)?, path.parent().unwrap_or(Path::new("")).into()))
     }
 
@@ -201,14 +207,46 @@ impl Plan {
         {
             return Err("accumulate: ms and frames are above 0".into());
         }
-        if self.points()?.is_empty() {
-            return Err("it has no points: add a [[scene]] and a [[series]]".into());
+        if let Some(lights) = self.scenes.iter().flat_map(|s| &s.lights).find(|&&n| n > MAX_LIGHTS) {
+            return Err(format!("lights: {lights} are more than {MAX_LIGHTS}"));
         }
+        // Before there are any: they may be more than memory holds.
+        match self.count() {
+            0 => return Err("it has no points: add a [[scene]] and a [[series]]".into()),
+            count if count > MAX_POINTS => {
+                return Err(format!("its lists multiply to more than {MAX_POINTS} points; split it"));
+            }
+            _ => self.points()?,
+        };
         Ok(())
     }
 
     pub fn size(&self) -> UVec2 {
         UVec2::from(self.size)
+    }
+
+    /// How many points there are.
+    fn count(&self) -> usize {
+        let values = |knobs: &Table| {
+            knobs.values().map(|v| v.as_array().map_or(1, Vec::len)).fold(1, usize::saturating_mul)
+        };
+        let rows = |series: &Series| {
+            series.arms().iter().map(|arm| values(&self.knobs(series, arm))).fold(0, usize::saturating_add)
+        };
+        let of_scene = |place: &PlanScene| {
+            let drawn = self.series.iter().filter(|series| series.draws(place)).map(rows);
+            let views = place.lights.len().saturating_mul(place.cameras.len().max(1));
+            drawn.fold(0, usize::saturating_add).saturating_mul(views)
+        };
+        self.scenes.iter().map(of_scene).fold(0, usize::saturating_add)
+    }
+
+    /// What an arm sets, lists of values among it.
+    fn knobs(&self, series: &Series, arm: &Arm) -> Table {
+        let mut knobs = self.settings.clone();
+        knobs.extend(series.settings.clone());
+        knobs.extend(arm.settings.clone());
+        knobs
     }
 
     /// Every point; scene by scene, lights by lights, camera by camera.
@@ -222,7 +260,7 @@ impl Plan {
                 };
                 for camera in cameras {
                     for series in &self.series {
-                        if series.scenes.is_empty() || series.scenes.contains(&place.name) {
+                        if series.draws(place) {
                             for (label, settings) in self.rows(series)? {
                                 let (camera, series) = (camera.clone(), series.name.clone());
                                 points.push(PointSpec { scene, lights, camera, series, label, settings });
@@ -237,14 +275,9 @@ impl Plan {
 
     /// (label, settings) of a series.
     fn rows(&self, series: &Series) -> Result<Vec<(String, Knobs)>, String> {
-        let nameless = [Arm { name: String::new(), settings: Table::new() }];
-        let arms = if series.arms.is_empty() { &nameless[..] } else { &series.arms };
         let mut rows = Vec::new();
-        for arm in arms {
-            let mut knobs = self.settings.clone();
-            knobs.extend(series.settings.clone());
-            knobs.extend(arm.settings.clone());
-            for (values, knobs) in combinations(&knobs) {
+        for arm in series.arms().iter() {
+            for (values, knobs) in combinations(&self.knobs(series, arm)) {
                 let name = (!arm.name.is_empty()).then(|| arm.name.clone());
                 let label = name.into_iter().chain(values).collect::<Vec<_>>().join(", ");
                 let label = if label.is_empty() { series.name.clone() } else { label };
@@ -256,6 +289,20 @@ impl Plan {
             }
         }
         Ok(rows)
+    }
+}
+
+impl Series {
+    /// Its arms, or the one that sets nothing.
+    fn arms(&self) -> Cow<'_, [Arm]> {
+        match self.arms.is_empty() {
+            true => vec![Arm { name: String::new(), settings: Table::new() }].into(),
+            false => self.arms.as_slice().into(),
+        }
+    }
+
+    fn draws(&self, place: &PlanScene) -> bool {
+        self.scenes.is_empty() || self.scenes.contains(&place.name)
     }
 }
 
@@ -348,12 +395,20 @@ mod tests {
 
     #[test]
     fn mistakes_are_one_line_that_names_them() {
+        // Settings that would fit no memory: they are counted, not made.
+        let numbers = format!("{:?}", vec![1; 1 << 20]);
         for (from, to, words) in [
             ("title = \"small\"", "titel = 1", "unknown field `titel`"),
             ("candidates = 4", "candidate = 4", "unknown field `candidate`"),
             ("candidates = [8, 16]", "candidates = [8, 2000]", "candidates 2000"),
             ("scenes = [\"a\"]", "scenes = [\"c\"]", "no scene 'c' (there are a, b)"),
             ("size = [8, 8]", "size = [8, 0]", "size"),
+            ("lights = [1, 2]", "lights = [1, 99999999]", "99999999 are more than"),
+            (
+                "candidates = [8, 16]",
+                &format!("candidates = {numbers}, neighbors = {numbers}"),
+                "100000 points",
+            ),
             ("size = [8, 8]", "size = [8, ", "line 4"),
             ("size = [8, 8]", "size = [8, 8]\naccumulate = { ms = 0 }", "above 0"),
             ("size = [8, 8]", "size = [8, 8]\ntruth = { part = 0.0 }", "above 0"),

@@ -109,7 +109,7 @@ pub struct CurvePoint {
 /// Frames that [`measure`] renders, about.
 pub fn frames_of(plan: &Plan) -> u64 {
     let accumulated = plan.accumulate.as_ref().map_or(0, |a| a.frames.min(256));
-    u64::from(plan.replicas) * u64::from(plan.warm_up + plan.frames + accumulated)
+    u64::from(plan.replicas) * [plan.warm_up, plan.frames, accumulated].map(u64::from).iter().sum::<u64>()
 }
 
 /// Fills times and, with a `truth`, errors, stability, curve and pictures. `tick` is called after each frame.

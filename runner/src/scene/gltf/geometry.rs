@@ -121,8 +121,8 @@ impl Attributes<'_> {
         if count > u32::MAX as usize {
             return Err(format!("{count} vertices are too many"));
         }
-        let mut mesh = Primitive::default();
-        mesh.positions = positions.into_iter().map(Vec3::from).collect();
+        let positions = positions.into_iter().map(Vec3::from).collect();
+        let mut mesh = Primitive { positions, ..Default::default() };
         let directions = Integers::Normalized;
         let normals = self.other::<3>(Semantic::Normals, &[Three, Four], directions, count, warnings);
         mesh.normals = normals.into_iter().map(Vec3::from).collect();

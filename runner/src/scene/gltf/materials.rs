@@ -166,6 +166,8 @@ fn normal_mapping(normal: &gltf::material::NormalTexture) -> UvMapping {
 /// Materials and textures as they are needed, by their place in the document (`None`: no material at all).
 pub struct Materials {
     images: Images,
+    /// For messages, by their index in the document.
+    image_names: Vec<String>,
     wears: HashMap<Option<usize>, Wear>,
     known_textures: HashMap<(usize, Role), usize>,
     pub materials: Vec<Material>,
@@ -176,15 +178,16 @@ pub struct Materials {
 pub fn images_of<'a>(materials: impl Iterator<Item = gltf::Material<'a>>) -> BTreeSet<usize> {
     materials
         .flat_map(|material| {
-            References::of(&material).iter().map(|r| r.texture.source().index()).collect::<Vec<_>>()
+            References::of(&material).iter().filter_map(|r| images::of(&r.texture)).collect::<Vec<_>>()
         })
         .collect()
 }
 
 impl Materials {
-    pub fn new(images: Images) -> Self {
+    pub fn new(document: &gltf::Document, images: Images) -> Self {
         Materials {
             images,
+            image_names: document.images().map(|i| label("image", i.index(), i.name())).collect(),
             wears: HashMap::new(),
             known_textures: HashMap::new(),
             materials: Vec::new(),
@@ -290,7 +293,7 @@ impl Materials {
         if let Some(&index) = self.known_textures.get(&key) {
             return Ok(index);
         }
-        let image = self.image(&reference.texture.source(), reference.role, label, warnings)?;
+        let image = self.image(&reference.texture, reference.role, label, warnings)?;
         let sampler = reference.texture.sampler();
         self.textures.push(Texture {
             image,
@@ -305,17 +308,23 @@ impl Materials {
     /// The image, or one texel in its place: white, or a normal that changes nothing.
     fn image(
         &self,
-        source: &gltf::Image,
+        texture: &gltf::Texture,
         role: Role,
         material: &str,
         warnings: &mut Warnings,
     ) -> Reason<Arc<Image>> {
-        let name = label("image", source.index(), source.name());
-        let reason = match self.images.get(&source.index()) {
-            Some(Ok(image)) => return Ok(image.clone()),
-            Some(Err(Fault::TooLarge(reason))) => return Err(format!("{name}: {reason}")),
-            Some(Err(Fault::Missing(reason))) => reason.as_str(),
-            None => "not loaded",
+        let (name, reason) = match images::of(texture) {
+            None => (label("texture", texture.index(), texture.name()), "has no image that can be read"),
+            Some(index) => {
+                let name =
+                    self.image_names.get(index).cloned().unwrap_or_else(|| label("image", index, None));
+                match self.images.get(&index) {
+                    Some(Ok(image)) => return Ok(image.clone()),
+                    Some(Err(Fault::TooLarge(reason))) => return Err(format!("{name}: {reason}")),
+                    Some(Err(Fault::Missing(reason))) => (name, reason.as_str()),
+                    None => (name, "does not exist"),
+                }
+            }
         };
         let (texel, stands_in) = match role {
             Role::Normal => ([128, 128, 255, 255], "a flat normal"),

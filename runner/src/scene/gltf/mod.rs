@@ -12,6 +12,7 @@ mod file;
 mod geometry;
 mod images;
 mod instancing;
+mod ktx2;
 mod materials;
 mod meshopt;
 mod nodes;
@@ -25,9 +26,10 @@ mod uri;
 mod warnings;
 
 use super::animation::{Local, Node, Thing};
+use super::lights::{self, MAX_LIGHTS};
 use super::{Bounds, Instance, Mesh, Primitive, SceneDescription};
 use crate::error::{Error, Result};
-use crate::{parallel, startup};
+use crate::{files, parallel, startup};
 use glam::{DAffine3, DVec3, Vec3};
 use materials::Materials;
 use nodes::Placed;
@@ -44,7 +46,7 @@ type Reason<T> = std::result::Result<T, String>;
 /// Loads the default scene of a .gltf or .glb file. What it has and can't be drawn yet is in the warnings.
 /// Errors, one line each: [`Error::Read`] if `path` can't be read, [`Error::Input`] for everything that is wrong in it.
 pub fn load(path: &Path) -> Result<SceneDescription> {
-    let bytes = uri::read_file(path).map_err(Error::read(path))?;
+    let bytes = files::read(path)?;
     let base = path.parent().unwrap_or(Path::new(""));
     let mut scene = scene_of(&bytes, base).map_err(|reason| Error::input(path)(one_line(&reason)))?;
     scene.name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
@@ -61,10 +63,10 @@ fn scene_of(bytes: &[u8], base: &Path) -> Reason<SceneDescription> {
     }
     let worn = nodes.iter().filter_map(Placed::mesh).flat_map(|mesh| mesh.primitives());
     let images = materials::images_of(worn.map(|primitive| primitive.material()));
-    let images = startup::timed("images", || images::load(&document, &images, base, &buffers));
+    let images = startup::timed("images", || images::load(&document, &images, base, &buffers))?;
     let mut loader = Loader {
         source: geometry::Source { document: &document, buffers: &buffers, quantized },
-        materials: Materials::new(images),
+        materials: Materials::new(&document, images),
         read_meshes: HashMap::new(),
         known_meshes: HashMap::new(),
         scene: SceneDescription::default(),
@@ -227,10 +229,16 @@ impl Loader<'_> {
                 .unwrap_or_default();
             return Err(format!("no triangles in its scene{hint}"));
         }
+        self.scene.materials = self.materials.materials;
+        let lights = lights::most(&self.scene);
+        if lights > MAX_LIGHTS as u64 {
+            return Err(format!(
+                "{lights} lights (each emissive triangle is one, in each instance); {MAX_LIGHTS} is the most"
+            ));
+        }
         if !in_range(&self.scene) {
             return Err(format!("its scene reaches beyond {MAX_COORDINATE:e} m; scale it down"));
         }
-        self.scene.materials = self.materials.materials;
         self.scene.textures = self.materials.textures;
         self.scene.warnings = self.warnings.into_lines();
         Ok(self.scene)

@@ -76,9 +76,15 @@ pub const SAMPLER: Shape = Object(&[
 pub const TEXTURE: Shape = Object(&[
     NAME,
     f("sampler", Index(Sampler), Loose),
-    f("source", Index(Image), Must),
-    f("extensions", Open(&[]), Loose),
+    f("source", Index(Image), Loose),
+    f(
+        "extensions",
+        Open(&[f("EXT_texture_webp", OTHER_IMAGE, Loose), f("KHR_texture_basisu", OTHER_IMAGE, Loose)]),
+        Loose,
+    ),
 ]);
+/// An image in place of core glTF's.
+const OTHER_IMAGE: Shape = Object(&[f("source", Index(Image), Must)]);
 
 const TRANSFORM: Field = f(
     "extensions",

@@ -1,22 +1,30 @@
 //! What a glTF URI points to: a file beside the scene or data in the URI itself.
 
 use super::Reason;
+use crate::files;
+use std::borrow::Cow;
 use std::ffi::OsString;
 use std::fs;
-use std::io;
 use std::path::{Path, PathBuf};
 
-/// The bytes of `uri`; file names are relative to `base`. Errors: other schemes, no such file, broken base64.
-pub fn read(uri: &str, base: &Path) -> Reason<Vec<u8>> {
+/// What a URI stands for.
+pub enum Content<'a> {
+    Bytes(Cow<'a, [u8]>),
+    /// Not yet opened.
+    File(PathBuf),
+}
+
+/// Where `uri` points to; file names are relative to `base`. Errors: other schemes, broken base64.
+pub fn find(uri: &str, base: &Path) -> Reason<Content<'static>> {
     if is_data(uri) {
-        return read_data(uri);
+        return Ok(Content::Bytes(read_data(uri)?.into()));
     }
     if uri.contains("://") || uri.starts_with("file:") {
         return Err(format!("'{}': only relative file names and data: URIs can be read", label(uri)));
     }
     let path = base.join(percent_decoded(uri));
     let path = if path.exists() { path } else { other_spelling(uri, base).unwrap_or(path) };
-    read_file(&path).map_err(|error| format!("can't read '{}': {error}", label(&path.display().to_string())))
+    Ok(Content::File(path))
 }
 
 /// The file that `uri` means as exporters spell it: as it is, percent signs included; with backslashes; in another case.
@@ -41,12 +49,15 @@ fn in_any_case(folder: &Path, part: &str) -> Option<OsString> {
     names.into_iter().find(|name| name.to_str().is_some_and(|name| name.to_lowercase() == part))
 }
 
-/// As `fs::read`, but of regular files only: a pipe or a device would never end.
-pub fn read_file(path: &Path) -> io::Result<Vec<u8>> {
-    if !fs::metadata(path)?.is_file() {
-        return Err(io::Error::other("not a regular file"));
+/// The bytes of `uri`. Errors: as [`find`], no such file.
+pub fn read(uri: &str, base: &Path) -> Reason<Vec<u8>> {
+    match find(uri, base)? {
+        Content::Bytes(bytes) => Ok(bytes.into_owned()),
+        Content::File(path) => {
+            files::bytes(&path)
+                .map_err(|error| format!("can't read '{}': {error}", label(&path.display().to_string())))
+        }
     }
-    fs::read(path)
 }
 
 /// What to call a URI in a message: its name, or the head of it.

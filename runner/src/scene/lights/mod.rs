@@ -8,11 +8,29 @@ pub use changes::{LightEdits, inverse_map, light_maps};
 
 use super::emission::{Emission, Emitters, Part};
 use super::environment::shines;
-use super::{AlphaMode, DirectionalLight, Environment, Instance, Material, Primitive, SceneDescription};
+use super::{
+    AlphaMode, DirectionalLight, Environment, Instance, Material, Mesh, Primitive, SceneDescription,
+};
 use glam::{UVec2, Vec2, Vec3};
 use shared::alias_table::AliasEntry;
 use shared::light::{self, Light, UNTRACEABLE};
 use std::ops::Range;
+
+/// Most lights of a scene: 1 GiB of them. More would fit no device that is at hand, and counts are `u32`.
+pub const MAX_LIGHTS: usize = 1 << 24;
+
+/// No fewer lights than `scene` has, before there are any; but for what [`MAX_ADDED`](super::emission::MAX_ADDED) allows
+/// textures and for the environment.
+pub fn most(scene: &SceneDescription) -> u64 {
+    let emits = |primitive: &&Primitive| scene.materials[primitive.material].emission != Vec3::ZERO;
+    let of_mesh = |mesh: &Mesh| -> u64 {
+        mesh.primitives.iter().filter(emits).map(|primitive| primitive.indices.len() as u64 / 3).sum()
+    };
+    let of_meshes: Vec<u64> = scene.meshes.iter().map(of_mesh).collect();
+    let triangles: u64 = scene.instances.iter().map(|instance| of_meshes[instance.mesh]).sum();
+    let punctual = scene.point_lights.len() + scene.spot_lights.len() + scene.directional_lights.len();
+    triangles + punctual as u64
+}
 
 /// The lights of a scene, and the table that draws them by their power.
 #[derive(Clone, Debug, Default)]

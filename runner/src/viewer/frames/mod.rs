@@ -145,13 +145,21 @@ impl Frames {
         self.move_scene()?;
         let view = &first.camera;
         let camera = Camera::new(view.position, view.forward, view.up, view.fov_y, first.size);
-        let options = self.options(&first.settings, 1.0);
+        self.meter(camera, &first.settings)
+    }
+
+    /// Renders a frame and chooses the exposure by what is lit in it, under which white unlit surfaces are display white.
+    fn meter(&mut self, camera: Camera, settings: &Knobs) -> Result<()> {
+        let options = self.options(settings, 1.0);
         let Frames { device, recorder, left, slots, .. } = self;
         let Some(slot) = slots.first_mut() else { return Ok(()) };
-        device.submit_once("first frame", |cmd| {
+        // Black does not count.
+        recorder.scene().set_unlit_white(device, 0.0)?;
+        device.submit_once("frame to expose by", |cmd| {
             recorder.record(cmd, &mut left.history, camera, &options, &mut slot.left)
         })?;
-        self.expose()
+        self.exposure = exposure::automatic(&self.left.history.radiance()?, 0.0);
+        self.recorder.scene().set_unlit_white(&self.device, 1.0 / self.exposure)
     }
 
     pub fn scene(&self) -> &SceneDescription {
@@ -342,8 +350,11 @@ impl Frames {
         }
     }
 
-    /// Chooses the exposure by the last frame, which is done.
-    pub fn expose(&mut self) -> Result<()> {
+    /// Chooses the exposure by the last frame, which is done, or by one more where something is unlit.
+    pub fn expose(&mut self, state: &State) -> Result<()> {
+        if self.recorder.scene().has_unlit() {
+            return self.meter(camera(state, self.size()), &state.settings[0]);
+        }
         self.exposure = exposure::automatic(&self.left.history.radiance()?, 0.0);
         Ok(())
     }

@@ -21,7 +21,7 @@ impl Running {
             }
             Action::Expose => {
                 self.ring.wait()?;
-                self.frames.as_mut().map_or(Ok(()), Frames::expose)?;
+                self.frames.as_mut().map_or(Ok(()), |frames| frames.expose(&self.state))?;
             }
             Action::NextPresentMode => self.screen.next_mode()?,
             Action::CopyCamera => {

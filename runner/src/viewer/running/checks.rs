@@ -39,6 +39,7 @@ impl Running {
                 }
                 Event::FailUpload(error) => self.planted = Some(error),
                 Event::Fail(error) => return Err(error),
+                Event::Close => event_loop.exit(),
             }
         }
     }

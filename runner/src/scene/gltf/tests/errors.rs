@@ -216,3 +216,19 @@ fn names_can_not_break_the_line() {
         &["node 0 'two lines [31m'"],
     );
 }
+
+/// 4,100 copies of 4,098 emissive triangles: a scene of some kB would take gigabytes.
+#[test]
+fn more_lights_than_memory() {
+    let glowing = |copies: usize| {
+        let mut file = File::quad();
+        file.indices(&[0, 1, 2, 0, 2, 3].repeat(2049));
+        file.material(json!({"emissiveFactor": [1, 1, 1]}));
+        file.json["nodes"] = vec![json!({"mesh": 0}); copies].into();
+        file.json["scenes"] = json!([{"nodes": (0..copies).collect::<Vec<_>>()}]);
+        file
+    };
+    let reason = glowing(4100).reason();
+    assert!(reason.contains("16801800 lights") && reason.contains("16777216 is the most"), "{reason}");
+    assert_eq!(glowing(2).load().unwrap().instances.len(), 2);
+}

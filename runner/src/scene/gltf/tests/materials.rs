@@ -118,6 +118,70 @@ fn textures_are_shared_by_materials() {
     assert_eq!((scene.materials.len(), scene.textures.len()), (2, 1));
 }
 
+/// The extension's image counts; one that nobody can read falls back on core glTF's, and one without any on white.
+#[test]
+fn extensions_name_other_images() {
+    let mut file = File::quad();
+    let plain = file.texture(&png([1, 2, 3]));
+    let mut webp = std::io::Cursor::new(Vec::new());
+    image::RgbImage::from_pixel(1, 1, image::Rgb([4, 5, 6]))
+        .write_to(&mut webp, image::ImageFormat::WebP)
+        .unwrap();
+    let sources = [file.texture(webp.get_ref()), file.texture(include_bytes!("ktx2/uastc.ktx2"))];
+    for (texture, (name, source)) in
+        ["EXT_texture_webp", "KHR_texture_basisu"].iter().zip(sources).enumerate()
+    {
+        file.json["textures"][texture] = json!({"source": plain, "extensions": {*name: {"source": source}}});
+    }
+    file.json["textures"][2] = json!({"extensions": {"EXT_texture_avif": {"source": 0}}});
+    file.json["extensionsRequired"] = json!(["EXT_texture_webp", "KHR_texture_basisu"]);
+    file.material(json!({"pbrMetallicRoughness": {"baseColorTexture": {"index": 0},
+        "metallicRoughnessTexture": {"index": 1}}, "emissiveTexture": {"index": 2}, "emissiveFactor": [1, 1, 1]}));
+    let scene = file.load().unwrap();
+    let images: Vec<_> = scene.textures.iter().map(|texture| &texture.image).collect();
+    assert_eq!(images[0].texels, [4, 5, 6, 255]);
+    assert_eq!((images[1].width, images[1].height), (18, 10));
+    assert_eq!(images[2].texels, [255; 4]);
+    assert!(scene.warnings.iter().any(|w| w.contains("texture 2 (has no image")), "{:?}", scene.warnings);
+}
+
+/// Two images of one view are one image, so on the device too.
+#[test]
+fn images_that_name_the_same_bytes_are_one() {
+    let mut file = File::quad();
+    let first = file.texture(&png([1, 2, 3]));
+    let again = file.json["images"][0].clone();
+    let second = push(&mut file.json["images"], again);
+    let other = push(&mut file.json["textures"], json!({"source": second}));
+    file.material(json!({"pbrMetallicRoughness": {"baseColorTexture": {"index": first},
+        "metallicRoughnessTexture": {"index": other}}}));
+    let scene = file.load().unwrap();
+    assert_eq!(scene.textures.len(), 2);
+    assert!(std::sync::Arc::ptr_eq(&scene.textures[0].image, &scene.textures[1].image));
+}
+
+/// Nine images of 1 GiB by 104 bytes each: nothing of them is decoded.
+#[test]
+fn more_texels_than_memory_are_refused() {
+    let file = |count: u8| {
+        let mut file = File::quad();
+        let plain = file.primitive().clone();
+        for _ in 0..count {
+            let mut header = vec![0; 104];
+            header[..12].copy_from_slice(b"\xabKTX 20\xbb\r\n\x1a\n");
+            header[20..28].copy_from_slice(&[0, 64, 0, 0, 0, 64, 0, 0]);
+            let texture = file.texture(&header);
+            file.material(json!({"pbrMetallicRoughness": {"baseColorTexture": {"index": texture}}}));
+            let worn = std::mem::replace(file.primitive(), plain.clone());
+            push(&mut file.json["meshes"][0]["primitives"], worn);
+        }
+        file
+    };
+    assert!(file(9).reason().contains("2415919104 texels; 2147483648 (8 GiB) is the most"));
+    let broken = file(8).load().unwrap().warnings;
+    assert!(broken.iter().any(|w| w.contains("can't decode it")), "{broken:?}");
+}
+
 #[test]
 fn missing_and_broken_images_have_stand_ins() {
     let mut file = File::quad();
