@@ -20,7 +20,7 @@ impl Light {
         let place = self.place(square, features);
         if is_shape(self.kind, Shape::Infinity, features) {
             let direction = place.position;
-            let distance = REACH * self.edge2.x;
+            let distance = REACH * self.scene_radius();
             return Incident {
                 position: receiver + direction * distance,
                 direction,

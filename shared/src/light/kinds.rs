@@ -22,16 +22,22 @@ pub trait Listed {
     const KIND: u32;
 }
 
-/// What lights of a kind are called.
+/// What is said of a kind.
 #[cfg(not(target_arch = "spirv"))]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Names {
+pub struct KindFacts {
     /// `Light::kind`
     pub kind: u32,
-    /// One of them.
-    pub one: &'static str,
-    /// Several.
-    pub many: &'static str,
+    /// What one such light is called, and several.
+    pub name: &'static str,
+    pub lights: &'static str,
+    /// See [`Kind::HAS_EXTENT`].
+    pub has_extent: bool,
+}
+
+#[cfg(not(target_arch = "spirv"))]
+const fn facts<K: HostKind>() -> KindFacts {
+    KindFacts { kind: K::KIND, name: K::NAME, lights: K::LIGHTS, has_extent: K::HAS_EXTENT }
 }
 
 macro_rules! kinds {
@@ -63,12 +69,10 @@ macro_rules! kinds {
         $($(#[$when])* const _: () = is_sound::<$view>();)*
         const _: () = is_sound::<$last>();
 
-        /// Of every kind, in order.
+        /// Of every kind, by `Light::kind`.
         #[cfg(not(target_arch = "spirv"))]
-        pub const NAMES: [Names; kind::COUNT as usize] = [
-            $($(#[$when])* Names { kind: kind::$NAME, one: $view::NAME, many: $view::LIGHTS },)*
-            Names { kind: kind::$LAST, one: $last::NAME, many: $last::LIGHTS },
-        ];
+        pub const KINDS: [KindFacts; kind::COUNT as usize] =
+            [$($(#[$when])* facts::<$view>(),)* facts::<$last>()];
 
         /// Are lights of `kind` of this shape, in a scene with these [`features`]?
         pub(super) fn is_shape(kind: u32, shape: Shape, features: u32) -> bool {

@@ -20,7 +20,7 @@ pub mod triangle;
 
 pub use kinds::kind;
 #[cfg(not(target_arch = "spirv"))]
-pub use kinds::{NAMES, Names};
+pub use kinds::{KINDS, KindFacts};
 #[cfg(not(target_arch = "spirv"))]
 pub use table::build_alias_table;
 pub use table::{LightSample, LightTable, Lights};
@@ -175,6 +175,11 @@ impl Light {
     #[cfg(not(target_arch = "spirv"))]
     pub fn power(&self) -> f32 {
         self.flux_factor() * luminance(self.emission)
+    }
+
+    /// Of light from infinity: radius of the scene's bounding sphere, m.
+    pub fn scene_radius(&self) -> f32 {
+        self.edge2.x
     }
 
     /// Density of a sample on this light in the light's own measure: 1/area, 1/solid angle, or 1 for a delta light.

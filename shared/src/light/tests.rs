@@ -3,6 +3,16 @@
 use super::*;
 use glam::UVec2;
 
+/// The page shows the file.
+#[test]
+fn the_recipe_is_the_code_of_the_example() {
+    let page = include_str!("../../../docs/adding-a-light.md");
+    let file = include_str!("segment.rs");
+    let code = file.split("/// A segment").nth(1).and_then(|rest| rest.split("mod tests").next()).unwrap();
+    assert!(page.contains(code.trim_end()), "docs/adding-a-light.md shows another segment.rs");
+    assert!(!page.contains(&code.trim_end().replace("edge1", "edge2")), "whatever it shows");
+}
+
 #[test]
 fn memory_is_as_documented() {
     assert_eq!(size_of::<Light>(), 64);

@@ -17,7 +17,7 @@ mod uri;
 mod warnings;
 
 use super::animation::{Local, Node, Thing};
-use super::{Bounds, Instance, Mesh, Primitive, SceneDescription};
+use super::{Bounds, Instance, Mesh, PlacedLight, Primitive, SceneDescription};
 use crate::error::{Error, Result};
 use crate::{parallel, startup};
 use glam::{DAffine3, DVec3, Vec3};
@@ -238,8 +238,7 @@ fn in_range(scene: &SceneDescription) -> bool {
         scene.instances.is_empty() || swept.min.x > swept.max.x || near(swept.min) && near(swept.max);
     sweeps_near
         && scene.instances.iter().all(instance_is_near)
-        && scene.point_lights.iter().all(|light| near(light.position))
-        && scene.spot_lights.iter().all(|light| near(light.position))
+        && scene.lights.iter().filter_map(PlacedLight::position).all(near)
 }
 
 /// `node 3 'Lamp'`

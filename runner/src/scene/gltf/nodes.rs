@@ -126,25 +126,17 @@ impl Placed<'_> {
             warnings.add("a light scaled to nothing shines nowhere, so is left out", &self.label);
             return Ok(None);
         }
-        Ok(Some(match light.kind() {
-            Kind::Point => {
-                scene.point_lights.push(PointLight { position, intensity });
-                Thing::PointLight(scene.point_lights.len() - 1)
-            }
+        scene.lights.push(match light.kind() {
+            Kind::Point => PointLight { position, intensity }.into(),
             Kind::Spot { inner_cone_angle: inner_angle, outer_cone_angle: outer_angle } => {
                 if !(0.0 <= inner_angle && inner_angle <= outer_angle && outer_angle <= MAX_CONE) {
                     let cone = format!("a cone from {inner_angle} to {outer_angle} rad");
                     return Err(format!("{}: {cone}; 0 <= inner <= outer <= pi/2 is possible", self.label));
                 }
-                let light = SpotLight { position, axis, intensity, inner_angle, outer_angle };
-                scene.spot_lights.push(light);
-                Thing::SpotLight(scene.spot_lights.len() - 1)
+                SpotLight { position, axis, intensity, inner_angle, outer_angle }.into()
             }
-            Kind::Directional => {
-                let light = DirectionalLight { direction: -axis, illuminance: intensity };
-                scene.directional_lights.push(light);
-                Thing::DirectionalLight(scene.directional_lights.len() - 1)
-            }
-        }))
+            Kind::Directional => DirectionalLight { direction: -axis, illuminance: intensity }.into(),
+        });
+        Ok(Some(Thing::Light(scene.lights.len() - 1)))
     }
 }
