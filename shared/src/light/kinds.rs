@@ -106,7 +106,7 @@ macro_rules! kinds {
             /// See [`Kind::place`]. `features`: as in [`Lights`](super::Lights); the last kind needs no test.
             pub(super) fn place(&self, square: Vec2, features: u32) -> Place {
                 $($(#[$when])* {
-                    if is_kind(self.kind, kind::$NAME, features) {
+                    if const { !is_one_point::<$view>() } && is_kind(self.kind, kind::$NAME, features) {
                         return $view::of(self).place(square);
                     }
                 })*
@@ -197,6 +197,11 @@ kinds! {
     SEGMENT: Segment,
     SPOT: Spot,
     ..POINT: Point
+}
+
+/// Points of space without extent are where their `position` is: the last kind's answer is theirs.
+const fn is_one_point<K: Kind>() -> bool {
+    matches!(K::SHAPE, Shape::Point) && !K::HAS_EXTENT
 }
 
 /// Can the generic code do what the kind asks for?

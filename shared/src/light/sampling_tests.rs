@@ -159,6 +159,9 @@ fn only_lights_without_extent_have_one_sample() {
         let light = known(1.0).light;
         let at = |x: f32| light.place(Vec2::splat(x), u32::MAX).position;
         assert_eq!(light.has_extent(), at(0.2) != at(0.7), "{name}");
+        if kinds::is_shape(light.kind, Shape::Point, u32::MAX) && !light.has_extent() {
+            assert_eq!(light.position, at(0.5), "{name}: where points are");
+        }
         let lights = [light];
         let table = LightTable { lights: Lights::untextured(&lights), alias: &[] };
         let sample = LightSample { light: 0, uv: 0x4000_8000 };
