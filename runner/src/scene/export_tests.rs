@@ -1,8 +1,8 @@
 //! The oracle is the `gltf` crate: its validation and its reading of the bytes.
 
 use super::*;
-use crate::scene::PointLight;
 use crate::scene::Filter;
+use crate::scene::PointLight;
 use crate::scene::procedural::atrium::atrium;
 use glam::{Affine3A, Quat, Vec2, Vec4};
 

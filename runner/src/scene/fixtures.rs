@@ -210,12 +210,8 @@ fn moving() -> SceneDescription {
     let node = |parent| Node { parent, base: DAffine3::IDENTITY, rest: still };
     // camera, block, arm, lamp at the arm's end, light
     scene.animation.nodes = vec![node(None), node(None), node(None), node(Some(2)), node(None)];
-    scene.animation.attached = vec![
-        (Thing::Camera(0), 0),
-        (Thing::Instance(1), 1),
-        (Thing::Instance(2), 3),
-        (Thing::Light(0), 4),
-    ];
+    scene.animation.attached =
+        vec![(Thing::Camera(0), 0), (Thing::Instance(1), 1), (Thing::Instance(2), 3), (Thing::Light(0), 4)];
     fn track<T>(interpolation: Interpolation, times: &[f32], values: Vec<T>) -> Track<T> {
         Track { interpolation, times: times.to_vec(), values }
     }
@@ -290,11 +286,7 @@ mod tests {
             }
             assert_eq!(triangles, scene.triangle_count(), "{name}");
             assert_eq!(document.cameras().count(), 1, "{name}");
-            assert_eq!(
-                document.lights().map_or(0, |lights| lights.len()),
-                scene.lights.len(),
-                "{name}"
-            );
+            assert_eq!(document.lights().map_or(0, |lights| lights.len()), scene.lights.len(), "{name}");
             let emitting = document.materials().filter(|m| m.emissive_factor() != [0.0; 3]).count();
             assert_eq!(
                 emitting,

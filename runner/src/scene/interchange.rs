@@ -4,7 +4,10 @@
 //! units, so that a stranger's renderer starts from what Candela's own passes start from. Textures and alpha are not
 //! written; [`left_out`] says so.
 
-use super::{AlphaMode, Environment, Instance, Material, PlacedLight, Primitive, SceneCamera, SceneDescription, Workflow};
+use super::{
+    AlphaMode, Environment, Instance, Material, PlacedLight, Primitive, SceneCamera, SceneDescription,
+    Workflow,
+};
 use crate::error::Result;
 use crate::image_io;
 use glam::Mat3;
@@ -52,7 +55,8 @@ fn document(scene: &SceneDescription, camera: &SceneCamera) -> Value {
     for light in &scene.lights {
         match light {
             PlacedLight::Point(l) => {
-                points.push(json!({ "position": l.position.to_array(), "intensity": l.intensity.to_array() }));
+                points
+                    .push(json!({ "position": l.position.to_array(), "intensity": l.intensity.to_array() }));
             }
             PlacedLight::Spot(l) => spots.push(json!({
                 "position": l.position.to_array(),

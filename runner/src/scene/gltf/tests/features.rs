@@ -191,7 +191,9 @@ fn cameras_and_lights_stand_in_the_world() {
     let scene = file.load().unwrap();
     let position = Vec3::new(1.0, 2.0, 3.0);
     use crate::scene::PlacedLight::{Directional, Point, Spot};
-    let [Point(point), Spot(spot), Directional(sun)] = &scene.lights[..] else { panic!("{:?}", scene.lights) };
+    let [Point(point), Spot(spot), Directional(sun)] = &scene.lights[..] else {
+        panic!("{:?}", scene.lights)
+    };
     assert_eq!((point.position, point.intensity), (position, Vec3::new(8.0, 4.0, 0.0)));
     assert!((spot.axis + Vec3::X).length() < 1e-6, "scale may mirror, but not turn the axis: {}", spot.axis);
     assert_eq!((spot.position, spot.intensity), (Vec3::X * 4.0, Vec3::new(8.0, 4.0, 0.0)));
