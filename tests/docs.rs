@@ -21,8 +21,8 @@ fn pages_name_code_that_exists() {
 /// Negative control: each kind of wrong name is seen, each kind of right one is not.
 #[test]
 fn wrong_names_are_seen() {
-    let right = "`reservoir::Reservoir::add` `light::tile::presample` `light::tests::power_is_flux` `math::safe_ratio`
-        `reservoir::tests::survivors_follow_their_weights` `tests/statistics.rs::a_planted_bias_is_seen` `light::kind::POINT`
+    let right = "`reservoir::Reservoir::add` `light::tile::presample` `light::tests::memory_is_as_documented` `math::safe_ratio`
+        `reservoir::tests::survivors_follow_their_weights` `tests/statistics.rs::a_planted_bias_is_seen` `light::tile::TILES`
         `passes::spatial::spatial` `spatial::spatial` `not a path` `f32`";
     assert_eq!(dangling_names(right), Vec::<String>::new());
     let wrong = "`reservoir::Reservoir::gone` `light::tile::gone` `gone::add` `reservoir::Gone::add` `tests/gone.rs::add`

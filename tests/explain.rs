@@ -304,10 +304,10 @@ fn planted_differences_are_seen() {
     let settings = cases()[2].1;
     let mut told = |scene: &SceneDescription| explain(&mut renderer, scene, settings, camera(SIZE), &PIXELS);
     let mut dimmed = lit_screens();
-    dimmed.point_lights.iter_mut().for_each(|light| light.intensity *= 0.999);
+    dimmed.lights.iter_mut().for_each(|light| *light.emission_mut() *= 0.999);
     assert!(told(&dimmed).iter().any(|e| !e.is_explained()), "0.1 % less light was not seen");
     let mut other_order = lit_screens();
-    other_order.point_lights.swap(3, 7);
+    other_order.lights.swap(3, 7);
     assert!(
         told(&other_order).iter().any(|e| e.verdict().contains("DIFFERS")),
         "swapped lights were not seen"

@@ -1,7 +1,7 @@
 //! A scene far from the zero of its file looks as it does near.
 
 use candela::scene::{SceneDescription, gltf};
-use glam::{DVec3, UVec2, Vec3};
+use glam::{DAffine3, DVec3, UVec2, Vec3};
 use serde_json::{Value, json};
 use shared::camera::Camera;
 use std::path::{Path, PathBuf};
@@ -80,7 +80,10 @@ fn far_scenes_look_like_near_ones() {
     let mut rounded = near.clone();
     let shift = FAR.as_vec3();
     rounded.instances.iter_mut().for_each(|i| i.transform.translation += glam::Vec3A::from(shift));
-    rounded.point_lights.iter_mut().for_each(|light| light.position += shift);
+    for light in &mut rounded.lights {
+        let place = light.position().unwrap() + shift;
+        light.place(&DAffine3::from_translation(place.as_dvec3()));
+    }
     let share = differing(&pictures(&rounded)[0], &expected[0]);
     assert!(share > TOLERANCE, "the planted error was not seen: {share} of pixels");
     assert_no_validation_messages(&device);

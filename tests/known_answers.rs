@@ -136,7 +136,7 @@ fn a_spot_over_a_floor() {
         let t = ((cos - cos_outer) / (cos_inner - cos_outer)).clamp(0.0, 1.0);
         floor_radiance(x, eye, &LIGHT) * t.powi(power)
     };
-    let scene = SceneDescription { spot_lights: vec![spot], ..scene(vec![], vec![], vec![]) };
+    let scene = SceneDescription { lights: vec![spot.into()], ..scene(vec![], vec![], vec![]) };
     // The planted error: attenuation that is not squared.
     assert_known("spot", &scene, &|x, eye| radiance(x, eye, 2), &|x, eye| radiance(x, eye, 1));
 }
@@ -149,7 +149,7 @@ fn sunlight_on_a_floor() {
         let wi = direction.as_dvec3();
         floor_bsdf(wi, (eye - x).normalize()) * sun.illuminance.as_dvec3() * wi.y * factor
     };
-    let scene = SceneDescription { directional_lights: vec![sun], ..scene(vec![], vec![], vec![]) };
+    let scene = SceneDescription { lights: vec![sun.into()], ..scene(vec![], vec![], vec![]) };
     assert_known("sun", &scene, &|x, eye| radiance(x, eye, 1.0), &|x, eye| radiance(x, eye, 1.002));
 }
 

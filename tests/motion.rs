@@ -50,7 +50,7 @@ fn moving() -> SceneDescription {
     let mut scene = scene(vec![], vec![Material::default(), emitter(Vec3::splat(60.0))], lights.to_vec());
     let screen = add(&mut scene, square(Vec3::ZERO, Vec3::Z * 0.6, Vec3::X * 0.5, 1));
     let quad = add(&mut scene, square(Vec3::ZERO, Vec3::X * 0.2, Vec3::Z * 0.2, 2));
-    let lamp = node(&mut scene, Thing::PointLight(2));
+    let lamp = node(&mut scene, Thing::Light(2));
     let (start, turned) = (DVec4::new(1.0, 0.0, 0.0, 0.0), DVec4::new(0.8, 0.0, 0.6, 0.0));
     let turn =
         Track { interpolation: Interpolation::Linear, times: vec![0.0, 3.0], values: vec![start, turned] };
@@ -145,11 +145,11 @@ fn a_light_that_goes_takes_its_energy_along() {
     let (red, green) = (light(-0.5, Vec3::X * 200.0), light(0.5, Vec3::Y * 20.0));
     let both = scene(vec![], vec![], vec![red, green]);
     let dark = PointLight { intensity: Vec3::ZERO, ..red };
-    let removed = LightEdits { points: Some(vec![None, Some(0)]), ..LightEdits::default() };
+    let removed = LightEdits { places: Some(vec![None, Some(0)]) };
     let camera = camera(SIZE);
     let mean = |image: &[Vec3]| image.iter().map(|c| c.as_dvec3()).sum::<DVec3>() / image.len() as f64;
     for (lights, edits) in [(vec![green], removed), (vec![dark, green], LightEdits::default())] {
-        let left = SceneDescription { point_lights: lights, ..both.clone() };
+        let left = SceneDescription { lights: lights.into_iter().map(Into::into).collect(), ..both.clone() };
         let mut renderer = renderer(&device, &left, SIZE, 1);
         let truth = mean(&reference(&mut renderer, camera, 0));
         for mode in [mode::BIASED, mode::UNBIASED] {

@@ -7,8 +7,8 @@
 
 use candela::measure::mean::Mean;
 use candela::measure::metrics::{metrics, with_flip};
-use candela::scene::{SceneDescription, interchange};
-use glam::{Affine3A, IVec2, UVec2, Vec3};
+use candela::scene::{PlacedLight, SceneDescription, interchange};
+use glam::{Affine3A, DAffine3, IVec2, UVec2, Vec3};
 use shared::camera::Camera;
 use shared::frame::{Settings, mode};
 use shared::light::kind;
@@ -183,8 +183,12 @@ fn planted_errors_are_seen() {
     };
     type Change = fn(&mut SceneDescription);
     let planted: [(&str, &str, &str, Change); 9] = [
-        ("1 % more light", "point", "point", |s| s.point_lights.iter_mut().for_each(|l| l.intensity *= 1.01)),
-        ("a light off by 2 cm", "point", "point", |s| s.point_lights[0].position.x += 0.02),
+        ("1 % more light", "point", "point", |s| *s.lights[0].emission_mut() *= 1.01),
+        ("a light off by 2 cm", "point", "point", |s| {
+            let beside =
+                DAffine3::from_translation((s.lights[0].position().unwrap() + 0.02 * Vec3::X).as_dvec3());
+            s.lights[0].place(&beside);
+        }),
         ("a box 4 % too large", "point", "point", |s| {
             s.instances[2].transform *= Affine3A::from_scale(Vec3::splat(1.04))
         }),
@@ -196,7 +200,8 @@ fn planted_errors_are_seen() {
         ("Mitsuba's own falloff of spots", "spot", "spot-mitsuba-spot", |_| ()),
         ("a sun off by half a degree", "directional", "directional", |s| {
             let turn = glam::Quat::from_rotation_y(0.5f32.to_radians());
-            s.directional_lights[0].direction = turn * s.directional_lights[0].direction;
+            let PlacedLight::Directional(sun) = &mut s.lights[0] else { panic!("{:?}", s.lights) };
+            sun.direction = turn * sun.direction;
         }),
         ("a mirrored sky", "environment", "environment", |s| {
             s.environment

@@ -105,7 +105,7 @@ fn biased_pixels_are_seen() {
     report("biased", &test);
     assert!(!test.passes(), "the bias of 1/M weights was not seen");
     let mut dimmed = scene;
-    dimmed.point_lights.iter_mut().for_each(|light| light.intensity *= 0.9);
+    dimmed.lights.iter_mut().for_each(|light| *light.emission_mut() *= 0.9);
     let mut wrong = renderer(&device, &dimmed, SIZE, 1);
     let test = compare_pixels(&runs(&mut wrong, camera, unbiased(), 4), &truth, SIZE);
     report("dimmed", &test);

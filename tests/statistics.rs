@@ -152,7 +152,7 @@ fn a_planted_bias_is_seen() {
     let mut truth_renderer = renderer(&device, &many_lights(), SIZE, 1);
     let truth = replicas(|seed| reference(&mut truth_renderer, camera, 1000 + seed));
     let mut dimmed = many_lights();
-    dimmed.point_lights.iter_mut().for_each(|light| light.intensity *= 0.9);
+    dimmed.lights.iter_mut().for_each(|light| *light.emission_mut() *= 0.9);
     let mut renderer = renderer(&device, &dimmed, SIZE, 1);
     let (name, settings, frames) = cases()[2];
     let means = replicas(|seed| restir(&mut renderer, camera, settings, frames, seed));

@@ -1,6 +1,5 @@
-//! Warps from the unit square: each with its density and its inverse.
+//! Warps from the unit square: with their inverses.
 
-use crate::pdf::PdfArea;
 use glam::{Vec2, Vec3};
 #[cfg(target_arch = "spirv")]
 use spirv_std::num_traits::Float;
@@ -10,11 +9,6 @@ use spirv_std::num_traits::Float;
 pub fn square_to_triangle(uv: Vec2) -> Vec2 {
     let root = uv.x.sqrt();
     Vec2::new(root * (1.0 - uv.y), root * uv.y)
-}
-
-/// Density of [`square_to_triangle`] over a triangle of `area` (m²); 0 for a triangle without area.
-pub fn triangle_pdf(area: f32) -> PdfArea {
-    PdfArea(crate::math::safe_ratio(1.0, area))
 }
 
 /// The inverse of [`square_to_triangle`]; (0, 0) at the first vertex, where it is not unique.

@@ -78,7 +78,7 @@ fn add_lamp(scene: &mut SceneDescription, radiance: Vec3) {
 fn diffuse() -> SceneDescription {
     let mut scene = plain("diffuse");
     scene.materials.iter_mut().for_each(|material| material.specular = Vec3::ZERO);
-    scene.point_lights.push(KEY);
+    scene.lights.push(KEY.into());
     scene
 }
 
@@ -87,7 +87,7 @@ fn metal() -> SceneDescription {
     let metals =
         [metal([1.0, 0.77, 0.34], 0.5), metal([0.95, 0.64, 0.54], 0.75), metal([0.9, 0.9, 0.9], 0.25)];
     let mut scene = stage("metal", metals);
-    scene.point_lights.push(KEY);
+    scene.lights.push(KEY.into());
     add_lamp(&mut scene, Vec3::new(40.0, 50.0, 60.0));
     scene
 }
@@ -106,18 +106,17 @@ fn dielectric() -> SceneDescription {
             },
         ],
     );
-    scene.point_lights.push(KEY);
+    scene.lights.push(KEY.into());
     add_lamp(&mut scene, Vec3::new(40.0, 50.0, 60.0));
     scene
 }
 
 fn point() -> SceneDescription {
-    let light = |position: [f32; 3], intensity: [f32; 3]| PointLight {
-        position: position.into(),
-        intensity: intensity.into(),
+    let light = |position: [f32; 3], intensity: [f32; 3]| {
+        PointLight { position: position.into(), intensity: intensity.into() }.into()
     };
     let mut scene = plain("point");
-    scene.point_lights = vec![
+    scene.lights = vec![
         light([-0.4, 0.3, 1.0], [3.0, 1.0, 0.5]),
         light([0.6, 1.6, -1.2], [5.0, 10.0, 20.0]),
         light([2.0, 2.5, 1.5], [40.0, 40.0, 40.0]),
@@ -127,10 +126,11 @@ fn point() -> SceneDescription {
 
 fn spot() -> SceneDescription {
     let spot = |position: Vec3, target: Vec3, intensity: Vec3, inner_angle: f32, outer_angle: f32| {
-        SpotLight { position, axis: (target - position).normalize(), intensity, inner_angle, outer_angle }
+        let axis = (target - position).normalize();
+        SpotLight { position, axis, intensity, inner_angle, outer_angle }.into()
     };
     let mut scene = plain("spot");
-    scene.spot_lights = vec![
+    scene.lights = vec![
         spot(Vec3::new(-2.0, 3.0, 1.5), Vec3::new(-0.8, 0.2, 0.2), Vec3::new(120.0, 90.0, 60.0), 0.1, 0.45),
         spot(Vec3::new(2.5, 2.0, 1.0), Vec3::new(0.3, 0.2, 0.0), Vec3::new(40.0, 60.0, 90.0), 0.0, 0.6),
     ];
@@ -140,7 +140,8 @@ fn spot() -> SceneDescription {
 fn directional() -> SceneDescription {
     let direction = Vec3::new(2.0, 3.0, 1.5).normalize();
     let mut scene = plain("directional");
-    scene.directional_lights = vec![DirectionalLight { direction, illuminance: Vec3::new(60.0, 55.0, 45.0) }];
+    let illuminance = Vec3::new(60.0, 55.0, 45.0);
+    scene.lights = vec![DirectionalLight { direction, illuminance }.into()];
     scene
 }
 

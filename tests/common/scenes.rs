@@ -43,7 +43,7 @@ pub fn scene(
         meshes: vec![Mesh { name: "test".into(), primitives }],
         instances: vec![Instance { name: "test".into(), mesh: 0, transform: Affine3A::IDENTITY }],
         materials,
-        point_lights: lights,
+        lights: lights.into_iter().map(Into::into).collect(),
         ..SceneDescription::default()
     }
 }
@@ -136,7 +136,7 @@ pub fn spots() -> SceneDescription {
             outer_angle: 1.35,
         }
     };
-    SceneDescription { spot_lights: (0..9).map(spot).collect(), ..scene(vec![], vec![], vec![]) }
+    SceneDescription { lights: (0..9).map(spot).map(Into::into).collect(), ..scene(vec![], vec![], vec![]) }
 }
 
 pub fn suns() -> SceneDescription {
@@ -144,7 +144,7 @@ pub fn suns() -> SceneDescription {
         direction: Vec3::new(i as f32 - 2.0, 2.0, (i % 2) as f32).normalize(),
         illuminance: Vec3::new(1.0, 0.9, 0.7) * 4f32.powi(i % 3),
     };
-    SceneDescription { directional_lights: (0..5).map(sun).collect(), ..scene(vec![], vec![], vec![]) }
+    SceneDescription { lights: (0..5).map(sun).map(Into::into).collect(), ..scene(vec![], vec![], vec![]) }
 }
 
 /// A sky with a bright spot; black below the horizon, where no pixel could be lit from.
@@ -161,11 +161,9 @@ pub fn sky() -> SceneDescription {
 
 /// Every kind alone, and all of them together.
 pub fn kinds() -> Vec<(&'static str, SceneDescription)> {
-    let SceneDescription { spot_lights, .. } = spots();
-    let SceneDescription { directional_lights, .. } = suns();
-    let SceneDescription { environment, .. } = sky();
-    let together = SceneDescription { spot_lights, directional_lights, environment, ..many_lights() };
-    let triangles = SceneDescription { point_lights: vec![], ..many_lights() };
+    let lights = [many_lights(), spots(), suns()].into_iter().flat_map(|scene| scene.lights).collect();
+    let together = SceneDescription { lights, environment: sky().environment, ..many_lights() };
+    let triangles = SceneDescription { lights: vec![], ..many_lights() };
     let mut points = many_lights();
     points.meshes[0].primitives.truncate(1);
     vec![

@@ -30,7 +30,7 @@ use shared::alpha;
 use shared::camera::Camera;
 use shared::environment::EnvironmentTexel;
 use shared::frame::{FrameConstants, mode};
-use shared::light::{Light, kind};
+use shared::light::{KINDS, Light};
 use shared::motion::InstanceMotion;
 use shared::passes::Body;
 use shared::reservoir::StoredReservoir;
@@ -121,14 +121,8 @@ impl<'a> World<'a> {
     }
 
     fn kind(&self, light: u32) -> &'static str {
-        match self.lights.lights.get(light as usize).map(|light| light.kind) {
-            Some(kind::POINT) => "point",
-            Some(kind::TRIANGLE) => "triangle",
-            Some(kind::SPOT) => "spot",
-            Some(kind::DIRECTIONAL) => "directional",
-            Some(kind::ENVIRONMENT) => "environment",
-            _ => "none",
-        }
+        let kind = self.lights.lights.get(light as usize).map(|light| light.kind as usize);
+        kind.map_or("none", |kind| KINDS[kind].name)
     }
 }
 

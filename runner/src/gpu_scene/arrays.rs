@@ -8,7 +8,6 @@ use glam::{Affine3A, Vec2, Vec3, Vec4};
 use shared::environment::EnvironmentTexel;
 use shared::frame::features;
 use shared::geometry::{InstanceGeometry, VertexAttributes, pack_tangent};
-use shared::light::kind;
 use shared::material::{NO_TEXTURE, UvMap, flag};
 use shared::math::pack_direction;
 use shared::motion::NO_LIGHT;
@@ -68,7 +67,7 @@ pub struct Placement {
 impl SceneArrays {
     /// `table`: the scene's lights.
     pub fn new(scene: &SceneDescription, table: &LightTable) -> Result<Self> {
-        let mut arrays = SceneArrays { features: features_of(scene), ..Default::default() };
+        let mut arrays = SceneArrays { features: features_of(scene, table), ..Default::default() };
         arrays.transforms = scene.instances.iter().map(|instance| instance.transform).collect();
         arrays.materials = scene.materials.iter().map(gpu_material).collect();
         let meshes =
@@ -222,17 +221,9 @@ pub fn environment_texels(scene: &SceneDescription) -> Vec<EnvironmentTexel> {
 }
 
 /// What the scene's pipelines are specialised for.
-fn features_of(scene: &SceneDescription) -> u32 {
+fn features_of(scene: &SceneDescription, lights: &LightTable) -> u32 {
     let mut bits = if scene.environment.is_some() { features::ENVIRONMENT } else { 0 };
-    for (kind, there) in [
-        (kind::POINT, !scene.point_lights.is_empty()),
-        (kind::SPOT, !scene.spot_lights.is_empty()),
-        (kind::DIRECTIONAL, !scene.directional_lights.is_empty()),
-        (kind::ENVIRONMENT, scene.environment.is_some()),
-        (kind::TRIANGLE, scene.materials.iter().any(|m| m.emission != Vec3::ZERO)),
-    ] {
-        bits |= if there { features::light_kind(kind) } else { 0 };
-    }
+    bits |= lights.lights.iter().fold(0, |bits, light| bits | features::light_kind(light.kind));
     let traceable = scene.environment.is_some() || scene.materials.iter().any(is_traceable);
     bits |= if traceable { features::TRACEABLE } else { 0 };
     for m in &scene.materials {

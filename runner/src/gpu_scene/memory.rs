@@ -6,7 +6,7 @@ use crate::scene::lights::LightTable;
 use crate::scene::{Image, SceneDescription};
 use serde::Serialize;
 use shared::environment::EnvironmentTexel;
-use shared::light::kind;
+use shared::light::{KINDS, KindFacts, kind};
 use shared::material::slot;
 use std::collections::HashSet;
 use std::sync::Arc;
@@ -32,13 +32,7 @@ pub fn costs(scene: &SceneDescription, lights: &LightTable, arrays: &SceneArrays
     add("materials", size_of_val(&arrays.materials[..]), format!("{}", arrays.materials.len()));
     let second = &arrays.second_uvs;
     add("second uv set", size_of_val(&second[..]), format!("{} vertices", second.len()));
-    for (name, kind) in [
-        ("point lights", kind::POINT),
-        ("spot lights", kind::SPOT),
-        ("directional lights", kind::DIRECTIONAL),
-        ("emissive triangles", kind::TRIANGLE),
-        ("environment lights", kind::ENVIRONMENT),
-    ] {
+    for KindFacts { kind, lights: name, .. } in KINDS {
         let count = lights.lights.iter().filter(|light| light.kind == kind).count();
         let textured = match kind {
             kind::TRIANGLE if lights.textured > 0 => {

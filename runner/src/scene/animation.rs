@@ -44,9 +44,7 @@ pub enum Local {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Thing {
     Instance(usize),
-    PointLight(usize),
-    SpotLight(usize),
-    DirectionalLight(usize),
+    Light(usize),
     Camera(usize),
 }
 
@@ -162,24 +160,11 @@ impl SceneDescription {
     /// Puts everything where `pose` says. What has lost its direction (scaled to nothing) keeps the one it had.
     pub fn apply(&mut self, pose: &Pose) {
         for &(thing, world) in &pose.places {
-            let position = world.translation.as_vec3();
-            // Cameras and lights look along -z.
-            let back = world.matrix3.z_axis.normalize_or_zero().as_vec3();
             match thing {
                 Thing::Instance(i) => self.instances[i].transform = world.as_affine3a(),
-                Thing::PointLight(i) => self.point_lights[i].position = position,
-                Thing::SpotLight(i) => {
-                    self.spot_lights[i].position = position;
-                    if back != Vec3::ZERO {
-                        self.spot_lights[i].axis = -back;
-                    }
-                }
-                Thing::DirectionalLight(i) if back != Vec3::ZERO => {
-                    self.directional_lights[i].direction = back;
-                }
-                Thing::DirectionalLight(_) => {}
+                Thing::Light(i) => self.lights[i].place(&world),
                 Thing::Camera(i) => {
-                    self.cameras[i].position = position;
+                    self.cameras[i].position = world.translation.as_vec3();
                     if let Some((forward, up)) = view_axes(&world) {
                         (self.cameras[i].forward, self.cameras[i].up) = (forward, up);
                     }

@@ -1,5 +1,5 @@
 use super::*;
-use crate::scene::{Instance, Mesh, PointLight, Primitive, SceneCamera, SpotLight};
+use crate::scene::{Instance, Mesh, PlacedLight, PointLight, Primitive, SceneCamera, SpotLight};
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2};
 
 fn track<T>(interpolation: Interpolation, times: &[f32], values: Vec<T>) -> Track<T> {
@@ -68,6 +68,11 @@ fn trs(translation: DVec3) -> Local {
     Local::Trs { translation, rotation: DQuat::IDENTITY, scale: DVec3::ONE }
 }
 
+fn spot(axis: Vec3) -> PlacedLight {
+    let (inner_angle, outer_angle) = (0.1, 0.2);
+    SpotLight { position: Vec3::ZERO, axis, intensity: Vec3::ONE, inner_angle, outer_angle }.into()
+}
+
 /// A turntable at (10, 0, 0) that makes a quarter turn about z in 1 s; on it, 2 m out, an arm that slides along it, and at its
 /// end everything that can hang on a node.
 fn turntable() -> SceneDescription {
@@ -87,7 +92,7 @@ fn turntable() -> SceneDescription {
         channel(0, Curve::Rotation(track(Interpolation::Linear, &[0.0, 1.0], quarter))),
         channel(1, Curve::Translation(slide)),
     ];
-    let things = [Thing::Instance(0), Thing::PointLight(0), Thing::SpotLight(0), Thing::Camera(0)];
+    let things = [Thing::Instance(0), Thing::Light(0), Thing::Light(1), Thing::Camera(0)];
     let triangle = Primitive {
         positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y],
         indices: vec![0, 1, 2],
@@ -96,14 +101,7 @@ fn turntable() -> SceneDescription {
     SceneDescription {
         meshes: vec![Mesh { name: String::new(), primitives: vec![triangle] }],
         instances: vec![Instance { name: String::new(), mesh: 0, transform: Default::default() }],
-        point_lights: vec![PointLight { position: Vec3::ZERO, intensity: Vec3::ONE }],
-        spot_lights: vec![SpotLight {
-            position: Vec3::ZERO,
-            axis: Vec3::Y,
-            intensity: Vec3::ONE,
-            inner_angle: 0.1,
-            outer_angle: 0.2,
-        }],
+        lights: vec![PointLight { position: Vec3::ZERO, intensity: Vec3::ONE }.into(), spot(Vec3::Y)],
         cameras: vec![SceneCamera {
             name: "arm".into(),
             position: Vec3::ZERO,
@@ -130,8 +128,9 @@ fn poses_compose_from_the_root() {
     assert!((scene.cameras[0].position - expected).length() < 1e-6, "{}", scene.cameras[0].position);
     assert!((scene.cameras[0].forward - Vec3::NEG_Y).length() < 1e-6);
     assert!((scene.cameras[0].up - Vec3::NEG_X).length() < 1e-6 || scene.cameras[0].up.dot(Vec3::Z) < 1e-6);
-    assert!((scene.point_lights[0].position - expected).length() < 1e-6);
-    assert!((scene.spot_lights[0].axis - Vec3::NEG_Y).length() < 1e-6);
+    assert!((scene.lights[0].position().unwrap() - expected).length() < 1e-6);
+    let PlacedLight::Spot(spot) = scene.lights[1] else { panic!("{:?}", scene.lights) };
+    assert!((spot.axis - Vec3::NEG_Y).length() < 1e-6);
     let tip = scene.instances[0].transform.transform_point3(Vec3::X);
     // The mesh's x is the matrix's -z.
     assert!((tip - (expected + Vec3::NEG_Z)).length() < 1e-6, "{tip}");
@@ -160,7 +159,7 @@ fn what_is_scaled_to_nothing_keeps_its_direction() {
     let nothing = DAffine3::from_scale(DVec3::ZERO);
     let places = scene.animation.attached.iter().map(|&(thing, _)| (thing, nothing)).collect();
     scene.apply(&Pose { places });
-    assert_eq!((scene.spot_lights[0].axis, scene.cameras[0].forward), (Vec3::Y, Vec3::Z));
+    assert_eq!((scene.lights[1], scene.cameras[0].forward), (spot(Vec3::Y), Vec3::Z));
 }
 
 #[test]

@@ -1,14 +1,14 @@
-//! Scenes as glTF 2.0: geometry, metallic-roughness materials with their textures, point lights, cameras, and what
+//! Scenes as glTF 2.0: geometry, metallic-roughness materials with their textures, lights, cameras, and what
 //! moves (a root of the animation without a place of its own). What other
 //! workflows, alpha modes and texture transforms say is not written.
 
 use super::animation::{Curve, Interpolation, Local, Thing};
 use super::{
-    Image, Instance, Material, Mesh, Mips, PointLight, Primitive, SceneCamera, SceneDescription, Texture,
+    Image, Instance, Material, Mesh, Mips, PlacedLight, Primitive, SceneCamera, SceneDescription, Texture,
     Wrap,
 };
 use crate::error::{Error, Result};
-use glam::{DMat4, DVec3, Mat4, Vec3};
+use glam::{DMat4, DQuat, DVec3, Mat4, Vec3};
 use image::ImageEncoder;
 use serde_json::{Map, Value, json};
 use std::collections::HashSet;
@@ -111,7 +111,7 @@ fn document(scene: &SceneDescription) -> Result<(Map<String, Value>, Vec<u8>)> {
     let materials: Vec<Value> = scene.materials.iter().map(material_json).collect();
     let (nodes, roots) = nodes_json(scene);
     let animations = animations_json(scene, nodes.len() - scene.animation.nodes.len(), &mut bin);
-    let lights: Vec<Value> = scene.point_lights.iter().map(light_json).collect();
+    let lights: Vec<Value> = scene.lights.iter().map(light_json).collect();
     let mut root = Map::new();
     root.insert("asset".into(), json!({ "version": "2.0", "generator": "Candela" }));
     if !nodes.is_empty() {
@@ -268,11 +268,38 @@ fn material_json(material: &Material) -> Value {
     json
 }
 
-/// cd; the color's largest component is 1.
-fn light_json(light: &PointLight) -> Value {
-    let intensity = light.intensity.max_element();
-    let color = if intensity > 0.0 { light.intensity / intensity } else { Vec3::ONE };
-    json!({ "type": "point", "color": color.to_array(), "intensity": intensity })
+/// KHR_lights_punctual: cd or lx; the color's largest component is 1.
+fn light_json(light: &PlacedLight) -> Value {
+    let (kind, emission) = match light {
+        PlacedLight::Point(l) => ("point", l.intensity),
+        PlacedLight::Spot(l) => ("spot", l.intensity),
+        PlacedLight::Directional(l) => ("directional", l.illuminance),
+    };
+    let intensity = emission.max_element();
+    let color = if intensity > 0.0 { emission / intensity } else { Vec3::ONE };
+    let mut json = json!({ "type": kind, "color": color.to_array(), "intensity": intensity });
+    if let PlacedLight::Spot(l) = light {
+        json["spot"] = json!({ "innerConeAngle": l.inner_angle, "outerConeAngle": l.outer_angle });
+    }
+    json
+}
+
+/// The node of a light that stands still. It shines along -z.
+fn light_node(light: &PlacedLight) -> Map<String, Value> {
+    let mut node = Map::new();
+    let axis = match light {
+        PlacedLight::Point(_) => None,
+        PlacedLight::Spot(l) => Some(l.axis),
+        PlacedLight::Directional(l) => Some(-l.direction),
+    };
+    if let Some(position) = light.position() {
+        node.insert("translation".into(), json!(position.to_array()));
+    }
+    if let Some(axis) = axis {
+        let turn = DQuat::from_rotation_arc(DVec3::NEG_Z, axis.as_dvec3().normalize()).as_quat();
+        node.insert("rotation".into(), json!(turn.to_array()));
+    }
+    node
 }
 
 fn camera_json(camera: &SceneCamera) -> Value {
@@ -306,25 +333,22 @@ fn nodes_json(scene: &SceneDescription) -> (Vec<Value>, Vec<usize>) {
         let matrix = Mat4::from_cols(axes[0], axes[1], axes[2], camera.position.extend(1.0));
         json!({ "name": camera.name, "camera": i, "matrix": matrix.to_cols_array() })
     };
-    let light = |(i, light): (usize, &PointLight)| {
-        let extensions = json!({ "KHR_lights_punctual": { "light": i } });
-        match moves(Thing::PointLight(i)) {
-            true => json!({ "extensions": extensions }),
-            false => json!({ "translation": light.position.to_array(), "extensions": extensions }),
-        }
+    let light = |(i, light): (usize, &PlacedLight)| {
+        let mut node = if moves(Thing::Light(i)) { Map::new() } else { light_node(light) };
+        node.insert("extensions".into(), json!({ "KHR_lights_punctual": { "light": i } }));
+        node.into()
     };
     let instances = scene.instances.iter().enumerate().map(instance);
     let cameras = scene.cameras.iter().enumerate().map(camera);
-    let lights = scene.point_lights.iter().enumerate().map(light);
+    let lights = scene.lights.iter().enumerate().map(light);
     let mut nodes: Vec<Value> = instances.chain(cameras).chain(lights).collect();
     let first = nodes.len();
     let mut children = vec![Vec::new(); scene.animation.nodes.len()];
     for &(thing, node) in &scene.animation.attached {
-        children[node].extend(match thing {
-            Thing::Instance(i) => Some(i),
-            Thing::Camera(i) => Some(scene.instances.len() + i),
-            Thing::PointLight(i) => Some(scene.instances.len() + scene.cameras.len() + i),
-            Thing::SpotLight(_) | Thing::DirectionalLight(_) => None,
+        children[node].push(match thing {
+            Thing::Instance(i) => i,
+            Thing::Camera(i) => scene.instances.len() + i,
+            Thing::Light(i) => scene.instances.len() + scene.cameras.len() + i,
         });
     }
     for (i, node) in scene.animation.nodes.iter().enumerate() {

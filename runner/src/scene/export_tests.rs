@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::scene::Filter;
+use crate::scene::PointLight;
 use crate::scene::procedural::atrium::atrium;
 use glam::{Affine3A, Quat, Vec2, Vec4};
 
@@ -52,10 +53,9 @@ fn small_scene() -> SceneDescription {
             texture(true, [Wrap::Repeat, Wrap::MirroredRepeat]),
             texture(false, [Wrap::ClampToEdge; 2]),
         ],
-        point_lights: vec![PointLight {
-            position: Vec3::new(1.0, 2.0, 3.0),
-            intensity: Vec3::new(8.0, 2.0, 4.0),
-        }],
+        lights: vec![
+            PointLight { position: Vec3::new(1.0, 2.0, 3.0), intensity: Vec3::new(8.0, 2.0, 4.0) }.into(),
+        ],
         cameras: vec![SceneCamera {
             name: "eye".into(),
             position: Vec3::new(0.0, 1.0, 5.0),

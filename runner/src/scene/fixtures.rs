@@ -143,9 +143,8 @@ fn point_lights() -> SceneDescription {
     for i in 0..25u8 {
         let (x, z) = (f32::from(i % 5) - 2.0, f32::from(i / 5) - 2.0);
         let color = Vec3::new(1.0 + f32::from(i % 3), 1.0 + f32::from(i % 4), 1.0 + f32::from(i % 5));
-        scene
-            .point_lights
-            .push(PointLight { position: Vec3::new(1.2 * x, 1.0, 1.2 * z), intensity: 2.0 * color });
+        let position = Vec3::new(1.2 * x, 1.0, 1.2 * z);
+        scene.lights.push(PointLight { position, intensity: 2.0 * color }.into());
     }
     scene
 }
@@ -156,7 +155,8 @@ fn occluder() -> SceneDescription {
     add(&mut scene, "plane", square(2.0, 0.0, Vec3::Y), diffuse([0.5, 0.5, 0.5]));
     let screen = Material { double_sided: true, ..diffuse([0.5, 0.2, 0.1]) };
     add(&mut scene, "screen", square(0.3, 1.0, Vec3::Y), screen);
-    scene.point_lights.push(PointLight { position: Vec3::new(0.0, 2.0, 0.0), intensity: Vec3::splat(100.0) });
+    let (position, intensity) = (Vec3::new(0.0, 2.0, 0.0), Vec3::splat(100.0));
+    scene.lights.push(PointLight { position, intensity }.into());
     scene
 }
 
@@ -191,7 +191,7 @@ fn instances() -> SceneDescription {
         scene.instances.push(Instance { name: name.into(), mesh: 1, transform });
     }
     for (x, intensity) in [(-1.5, Vec3::new(60.0, 50.0, 40.0)), (2.0, Vec3::new(30.0, 40.0, 60.0))] {
-        scene.point_lights.push(PointLight { position: Vec3::new(x, 2.5, 2.0), intensity });
+        scene.lights.push(PointLight { position: Vec3::new(x, 2.5, 2.0), intensity }.into());
     }
     scene
 }
@@ -204,19 +204,14 @@ fn moving() -> SceneDescription {
     let half = Vec3::new(0.25, 0.4, 0.25);
     add(&mut scene, "block", cuboid(-half, half), diffuse([0.7, 0.3, 0.1]));
     add(&mut scene, "lamp", square(0.3, 0.0, Vec3::NEG_Y), emitter(Vec3::new(60.0, 80.0, 120.0), false));
-    scene
-        .point_lights
-        .push(PointLight { position: Vec3::new(-1.0, 1.5, 1.0), intensity: Vec3::new(20.0, 14.0, 6.0) });
+    let (position, intensity) = (Vec3::new(-1.0, 1.5, 1.0), Vec3::new(20.0, 14.0, 6.0));
+    scene.lights.push(PointLight { position, intensity }.into());
     let still = Local::Trs { translation: DVec3::ZERO, rotation: DQuat::IDENTITY, scale: DVec3::ONE };
     let node = |parent| Node { parent, base: DAffine3::IDENTITY, rest: still };
     // camera, block, arm, lamp at the arm's end, light
     scene.animation.nodes = vec![node(None), node(None), node(None), node(Some(2)), node(None)];
-    scene.animation.attached = vec![
-        (Thing::Camera(0), 0),
-        (Thing::Instance(1), 1),
-        (Thing::Instance(2), 3),
-        (Thing::PointLight(0), 4),
-    ];
+    scene.animation.attached =
+        vec![(Thing::Camera(0), 0), (Thing::Instance(1), 1), (Thing::Instance(2), 3), (Thing::Light(0), 4)];
     fn track<T>(interpolation: Interpolation, times: &[f32], values: Vec<T>) -> Track<T> {
         Track { interpolation, times: times.to_vec(), values }
     }
@@ -291,11 +286,7 @@ mod tests {
             }
             assert_eq!(triangles, scene.triangle_count(), "{name}");
             assert_eq!(document.cameras().count(), 1, "{name}");
-            assert_eq!(
-                document.lights().map_or(0, |lights| lights.len()),
-                scene.point_lights.len(),
-                "{name}"
-            );
+            assert_eq!(document.lights().map_or(0, |lights| lights.len()), scene.lights.len(), "{name}");
             let emitting = document.materials().filter(|m| m.emissive_factor() != [0.0; 3]).count();
             assert_eq!(
                 emitting,
@@ -339,11 +330,12 @@ mod tests {
             for (a, b) in transforms(&ours).iter().zip(transforms(&theirs)) {
                 assert!(a.abs_diff_eq(b, 1e-5), "at {time}: {a} {b}");
             }
-            assert!(ours.point_lights[0].position.abs_diff_eq(theirs.point_lights[0].position, 1e-5));
+            let light = |s: &SceneDescription| s.lights[0].position().unwrap();
+            assert!(light(&ours).abs_diff_eq(light(&theirs), 1e-5));
             assert!(ours.cameras[0].position.abs_diff_eq(theirs.cameras[0].position, 1e-5), "at {time}");
             assert!(ours.cameras[0].forward.abs_diff_eq(theirs.cameras[0].forward, 1e-5));
         }
-        let still = |s: &SceneDescription| s.point_lights[0].position;
+        let still = |s: &SceneDescription| s.lights[0].position();
         let mut later = scene.clone();
         later.apply(&scene.pose(1.0));
         assert_ne!(still(&later), still(&scene), "it does move");

@@ -4,7 +4,10 @@
 //! units, so that a stranger's renderer starts from what Candela's own passes start from. Textures and alpha are not
 //! written; [`left_out`] says so.
 
-use super::{AlphaMode, Environment, Instance, Material, Primitive, SceneCamera, SceneDescription, Workflow};
+use super::{
+    AlphaMode, Environment, Instance, Material, PlacedLight, Primitive, SceneCamera, SceneDescription,
+    Workflow,
+};
 use crate::error::Result;
 use crate::image_io;
 use glam::Mat3;
@@ -48,17 +51,25 @@ pub fn left_out(scene: &SceneDescription) -> Vec<String> {
 
 /// All but the shapes and the environment, which have files of their own.
 fn document(scene: &SceneDescription, camera: &SceneCamera) -> Value {
-    let point = |l: &super::PointLight| json!({ "position": l.position.to_array(), "intensity": l.intensity.to_array() });
-    let spot = |l: &super::SpotLight| {
-        json!({
-            "position": l.position.to_array(),
-            "axis": l.axis.to_array(),
-            "intensity": l.intensity.to_array(),
-            "inner_angle": l.inner_angle,
-            "outer_angle": l.outer_angle,
-        })
-    };
-    let directional = |l: &super::DirectionalLight| json!({ "direction": l.direction.to_array(), "illuminance": l.illuminance.to_array() });
+    let [mut points, mut spots, mut directionals] = [const { Vec::new() }; 3];
+    for light in &scene.lights {
+        match light {
+            PlacedLight::Point(l) => {
+                points
+                    .push(json!({ "position": l.position.to_array(), "intensity": l.intensity.to_array() }));
+            }
+            PlacedLight::Spot(l) => spots.push(json!({
+                "position": l.position.to_array(),
+                "axis": l.axis.to_array(),
+                "intensity": l.intensity.to_array(),
+                "inner_angle": l.inner_angle,
+                "outer_angle": l.outer_angle,
+            })),
+            PlacedLight::Directional(l) => directionals.push(
+                json!({ "direction": l.direction.to_array(), "illuminance": l.illuminance.to_array() }),
+            ),
+        }
+    }
     json!({
         "format": "candela-scene",
         "version": VERSION,
@@ -72,9 +83,9 @@ fn document(scene: &SceneDescription, camera: &SceneCamera) -> Value {
             "fov_y": camera.fov_y,
         },
         "materials": scene.materials.iter().map(material).collect::<Vec<_>>(),
-        "point_lights": scene.point_lights.iter().map(point).collect::<Vec<_>>(),
-        "spot_lights": scene.spot_lights.iter().map(spot).collect::<Vec<_>>(),
-        "directional_lights": scene.directional_lights.iter().map(directional).collect::<Vec<_>>(),
+        "point_lights": points,
+        "spot_lights": spots,
+        "directional_lights": directionals,
     })
 }
 
@@ -207,7 +218,7 @@ mod tests {
         let radiance: Vec<Vec3> = (0..8).map(|i| Vec3::new(i as f32, 0.5, 2e4)).collect();
         let map = Environment { size: UVec2::new(4, 2), radiance };
         scene.environment = Some(map.clone());
-        scene.point_lights = fixture("point-lights").point_lights;
+        scene.lights = fixture("point-lights").lights;
         let folder = folder("document");
         // Twice: an old export is replaced.
         write(&fixture("instances"), &scene.cameras[0], &folder).unwrap();
@@ -221,7 +232,8 @@ mod tests {
         }
         std::fs::remove_dir_all(&folder).unwrap();
         let vector = |value: &Value| -> Vec<f32> { serde_json::from_value(value.clone()).unwrap() };
-        for (written, light) in root["point_lights"].as_array().unwrap().iter().zip(&scene.point_lights) {
+        for (written, light) in root["point_lights"].as_array().unwrap().iter().zip(&scene.lights) {
+            let PlacedLight::Point(light) = light else { panic!("{light:?}") };
             assert_eq!(vector(&written["position"]), light.position.to_array());
             assert_eq!(vector(&written["intensity"]), light.intensity.to_array());
         }

@@ -14,6 +14,7 @@ mod source;
 pub mod viewpoint;
 
 pub use environment::Environment;
+pub use lights::placed::{DirectionalLight, PlacedLight, PointLight, SpotLight};
 pub use source::{EnvironmentSource, Illumination, load};
 
 use glam::{Affine3A, DVec3, Vec2, Vec3, Vec4};
@@ -32,9 +33,8 @@ pub struct SceneDescription {
     pub instances: Vec<Instance>,
     pub materials: Vec<Material>,
     pub textures: Vec<Texture>,
-    pub point_lights: Vec<PointLight>,
-    pub spot_lights: Vec<SpotLight>,
-    pub directional_lights: Vec<DirectionalLight>,
+    /// But for emissive meshes and the environment.
+    pub lights: Vec<PlacedLight>,
     pub environment: Option<Environment>,
     pub cameras: Vec<SceneCamera>,
     /// What moves; the fields above hold it at rest, or where [`SceneDescription::apply`] put it.
@@ -175,38 +175,6 @@ pub struct Image {
     pub width: u32,
     pub height: u32,
     pub texels: Vec<u8>,
-}
-
-/// A point light in world space.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PointLight {
-    /// m
-    pub position: Vec3,
-    /// cd, linear RGB
-    pub intensity: Vec3,
-}
-
-/// A point light that shines into a cone (KHR_lights_punctual), in world space.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SpotLight {
-    /// m
-    pub position: Vec3,
-    /// Unit, the way it shines.
-    pub axis: Vec3,
-    /// On the axis, cd, linear RGB
-    pub intensity: Vec3,
-    /// Angles from the axis, radians: full intensity up to the inner, none from the outer on.
-    pub inner_angle: f32,
-    pub outer_angle: f32,
-}
-
-/// Parallel light, such as the sun's, in world space.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DirectionalLight {
-    /// Unit, toward the light.
-    pub direction: Vec3,
-    /// On a surface that faces the light, lx, linear RGB
-    pub illuminance: Vec3,
 }
 
 /// A perspective camera in world space.

@@ -6,10 +6,11 @@
 //! resampling stays unbiased. Packing touches only the target that candidates compete with, never the light they bring:
 //! later passes and the contribution weight's integrand read the light itself.
 
-use super::{DOUBLE_SIDED, Incident, LightSample, LightTable, UNTRACEABLE, from_point, is_kind, kind};
-use crate::environment;
+use super::arrival::{Connection, from_point, traceable};
+use super::kinds::{attenuates, is_shape};
+use super::{DOUBLE_SIDED, Incident, LightSample, LightTable, Shape};
 use crate::frame::FrameConstants;
-use crate::math::{cross, pack_direction, safe_ratio, unpack_direction};
+use crate::math::{pack_direction, safe_ratio, unpack_direction};
 use crate::pdf::SourcePdf;
 use crate::rng::{Rng, Stream, hash};
 use bytemuck::{Pod, Zeroable};
@@ -36,7 +37,7 @@ const LEAST_EXPONENT: f32 = -32.0;
 pub struct TileEntry {
     /// The point on the light, world space, m; for light from infinity the unit direction to it.
     position: Vec3,
-    /// Triangle: its normal, see [`pack_direction`].
+    /// Surface: its normal, see [`pack_direction`].
     normal: u32,
     /// Emission, logarithmic: red in the low half, green in the high one.
     red_green: u32,
@@ -77,20 +78,11 @@ impl TileEntry {
             return TileEntry::default();
         }
         let light = lights.lights.lights[sample.light as usize];
-        let square = sample.square();
-        let position = match light.kind {
-            kind::DIRECTIONAL => light.edge1,
-            kind::ENVIRONMENT => environment::direction(
-                light.edge1.y + square.y * light.edge2.z,
-                light.edge1.x + square.x * light.edge2.y,
-            ),
-            // The point does not depend on who looks.
-            _ => light.sample_li_among(lights.lights.features, square, light.position).position,
-        };
+        let place = light.place(sample.square(), lights.lights.features);
         let e = light.emission;
         TileEntry {
-            position,
-            normal: pack_direction(cross(light.edge1, light.edge2)),
+            position: place.position,
+            normal: pack_direction(place.normal),
             red_green: encode(e.x) | encode(e.y) << 16,
             blue_kind: encode(e.z) | (light.kind | light.flags << 4) << 16,
             source_pdf: source_pdf.0,
@@ -107,34 +99,36 @@ impl TileEntry {
     }
 
     /// Direction, irradiance and solid angle at `receiver` of what the entry stands for, its emission within 0.04 % and positive
-    /// wherever the light's is, its normal within 1e-4 rad; the other fields are not set. A spot's cone is read from `lights`.
+    /// wherever the light's is, its normal within 1e-4 rad; the other fields are not set. Of lights that shine more in some
+    /// directions than in others, emission and attenuation are read from `lights`.
     pub fn incident(&self, lights: LightTable<'_>, receiver: Vec3) -> Incident {
+        let (kind, flags) = (self.blue_kind >> 16 & 15, self.blue_kind >> 20);
+        let features = lights.lights.features;
+        if attenuates(kind, features) {
+            let light = lights.lights.lights[self.light as usize];
+            let incident =
+                from_point(self.position, &Connection::new(receiver, self.position), light.emission);
+            let irradiance = incident.irradiance * light.attenuation(incident.direction, features);
+            return Incident { irradiance, ..incident };
+        }
         let emission = Vec3::new(
             decode(self.red_green & 0xffff),
             decode(self.red_green >> 16),
             decode(self.blue_kind & 0xffff),
         );
-        let is = |that| is_kind(self.blue_kind >> 16 & 15, that, lights.lights.features);
-        if is(kind::SPOT) {
-            return lights.incident(LightSample { light: self.light, uv: 0 }, receiver);
+        if is_shape(kind, Shape::Infinity, features) {
+            let solid_angle = traceable(flags);
+            let direction = self.position;
+            return Incident { direction, irradiance: emission, solid_angle, ..Incident::default() };
         }
-        let direction = self.position;
-        if is(kind::DIRECTIONAL) {
-            return Incident { direction, irradiance: emission, ..Incident::default() };
-        }
-        if is(kind::ENVIRONMENT) {
-            return Incident { direction, irradiance: emission, solid_angle: 1.0, ..Incident::default() };
-        }
-        let incident = from_point(self.position, receiver, emission);
-        if is(kind::TRIANGLE) {
+        let incident = from_point(self.position, &Connection::new(receiver, self.position), emission);
+        if is_shape(kind, Shape::Surface, features) {
             let cos = -unpack_direction(self.normal).dot(incident.direction);
-            let both = self.blue_kind >> 20 & DOUBLE_SIDED != 0;
-            let facing = if both { cos.abs() } else { cos };
-            let traceable = self.blue_kind >> 20 & UNTRACEABLE == 0;
+            let facing = if flags & DOUBLE_SIDED != 0 { cos.abs() } else { cos };
             let inverse_square = safe_ratio(1.0, incident.distance * incident.distance);
             return Incident {
                 irradiance: incident.irradiance * (facing + COSINE_SLACK).max(0.0),
-                solid_angle: if traceable { facing.max(0.0) * inverse_square } else { 0.0 },
+                solid_angle: traceable(flags) * (facing.max(0.0) * inverse_square),
                 ..incident
             };
         }
@@ -157,18 +151,19 @@ fn decode(code: u32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::light::kinds::SAMPLES;
     use crate::light::{Light, Lights, build_alias_table};
 
+    /// Some more triangles, which packing is hardest on.
     fn all_kinds() -> Vec<Light> {
         let [a, b, c] = [Vec3::new(1.0, 2.0, 0.5), Vec3::new(1.7, 2.1, 0.4), Vec3::new(1.1, 2.3, 1.2)];
-        vec![
-            Light::point(Vec3::new(0.3, 1.0, -0.2), Vec3::new(100.0, 1e-3, 0.0)),
+        let triangles = [
             Light::triangle([a, b, c], Vec3::new(7.0, 3e4, 0.2), false),
             Light::triangle([a, c, b], Vec3::new(1e-4, 2.0, 9.0), true),
-            Light::spot(Vec3::Y, -Vec3::Y, Vec3::new(5.0, 6.0, 7.0), 0.2, 0.9),
-            Light::directional(Vec3::new(0.6, 0.8, 0.0), Vec3::splat(3.0), 4.0),
-            Light::environment(UVec2::new(3, 2), UVec2::new(16, 8), Vec3::new(1.0, 2.0, 3.0), 4.0),
-        ]
+        ];
+        let dim = |light: Light| Light { emission: light.emission * Vec3::new(100.0, 1e-3, 0.0), ..light };
+        let samples = SAMPLES.into_iter().flat_map(|(_, known)| [known(1.0).light, dim(known(2.5).light)]);
+        samples.chain(triangles).collect()
     }
 
     /// Each kind: what an entry says is what its light says, within the packing's error; and wherever the light
@@ -186,8 +181,8 @@ mod tests {
                 let sample = LightSample { light, uv: r.x };
                 let entry = TileEntry::new(table, sample, SourcePdf(1.0));
                 let mut receiver = Vec3::new(r.y as f32, r.z as f32, r.w as f32) / 2f32.powi(32) * 6.0 - 3.0;
-                if i % 2 == 0 && lights[light as usize].kind == kind::TRIANGLE {
-                    // In the plane of the triangle, but for rounding.
+                if i % 2 == 0 && is_shape(lights[light as usize].kind, Shape::Surface, u32::MAX) {
+                    // In the plane of a flat one, but for rounding.
                     let on = |uv: u32| table.incident(LightSample { light, uv }, Vec3::ZERO).position;
                     receiver = on(r.x) + (on(r.y) - on(r.z)) * 3.0;
                 }
@@ -207,7 +202,7 @@ mod tests {
                 let solid_angle = if grazing { 0.0 } else { exact.solid_angle };
                 assert!((packed.solid_angle - solid_angle).abs() <= slack || grazing, "light {light}");
             }
-            assert!(lit > 2000, "light {light}: {lit}");
+            assert!(lit > 500, "light {light}: {lit}");
         }
     }
 

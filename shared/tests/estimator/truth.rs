@@ -78,7 +78,9 @@ fn radiance(world: &World, surface: &Surface, eye: DVec3) -> DVec3 {
                 }
                 sum * emission * area / (TRIANGLE_STEPS * TRIANGLE_STEPS) as f64
             }
-            _ => DVec3::ZERO,
+            // The sky, in one go.
+            kind::ENVIRONMENT => DVec3::ZERO,
+            other => panic!("no quadrature for lights of kind {other}"),
         }
     };
     world.lights.iter().map(of_light).sum()

@@ -20,6 +20,8 @@ use plan::{Plan, PointSpec};
 use point::Measurement;
 use serde::{Deserialize, Serialize};
 use shared::camera::Camera;
+use shared::frame::features::light_kind;
+use shared::light::{KINDS, KindFacts};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
 use store::Store;
@@ -203,7 +205,7 @@ impl Sweep<'_> {
         let measured = if plan.times_only {
             point::measure(renderer, camera, plan, &spec.settings, None, || self.progress.advance(1))?
         } else {
-            self.judged(renderer, &bench.scene, camera, spec, truth_key)?
+            self.judged(renderer, camera, spec, truth_key)?
         };
         let light_count = renderer.scene().light_count();
         let memory = renderer.scene().bytes() + renderer.target_bytes();
@@ -214,7 +216,6 @@ impl Sweep<'_> {
     fn judged(
         &self,
         renderer: &mut Renderer,
-        scene: &SceneDescription,
         camera: Camera,
         spec: &PointSpec,
         truth_key: &str,
@@ -224,7 +225,7 @@ impl Sweep<'_> {
         loop {
             let settings = &spec.settings;
             let about = (truth_key, settings.primary);
-            let truth = self.truth(renderer, scene, camera, about, wanted)?;
+            let truth = self.truth(renderer, camera, about, wanted)?;
             let mut measured = point::measure(renderer, camera, self.plan, settings, Some(&truth), || {
                 self.progress.advance(1)
             })?;
@@ -243,7 +244,6 @@ impl Sweep<'_> {
     fn truth(
         &self,
         renderer: &mut Renderer,
-        scene: &SceneDescription,
         camera: Camera,
         (key, primary): (&str, Primary),
         wanted: f64,
@@ -253,14 +253,10 @@ impl Sweep<'_> {
         if let Some(known) = self.store.truth(key).filter(good) {
             return Ok(known);
         }
-        let punctual = scene.point_lights.len() + scene.spot_lights.len() + scene.directional_lights.len();
-        let lights = renderer.scene().light_count();
-        let lighting = Lighting {
-            lights,
-            points_only: punctual == lights as usize,
-            features: renderer.scene().features(),
-            primary,
-        };
+        let (lights, features) = (renderer.scene().light_count(), renderer.scene().features());
+        let is_there = |kind: &KindFacts| features & light_kind(kind.kind) != 0;
+        let points_only = KINDS.iter().filter(|kind| is_there(kind)).all(|kind| !kind.has_extent);
+        let lighting = Lighting { lights, points_only, features, primary };
         self.progress.enter("reference");
         let size = renderer.size();
         let mut mean = self.store.truth_state(key, size).unwrap_or_else(|| Mean::new(size));

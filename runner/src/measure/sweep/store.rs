@@ -96,11 +96,11 @@ pub fn scene_key(scene: &SceneDescription) -> String {
     if let Some(map) = &scene.environment {
         hash.update(bytemuck::cast_slice::<_, u8>(&map.radiance));
     }
-    for light in &scene.point_lights {
-        hash.update(bytemuck::bytes_of(&[light.position, light.intensity]));
+    // Their debug form has every digit and name that matters, of whatever kind they are.
+    for light in &scene.lights {
+        hash.update(format!("{light:?}"));
     }
-    // Few and small: their debug form has every digit that matters.
-    let others = (&scene.instances, &scene.materials, &scene.spot_lights, &scene.directional_lights);
+    let others = (&scene.instances, &scene.materials);
     hash.update(format!("{others:?}"));
     short(hash.finalize())
 }
@@ -127,6 +127,9 @@ mod tests {
         moved.meshes[0].primitives[0].positions[7].x += 1e-4;
         let mut painted = scene.clone();
         painted.materials[0].roughness += 1e-4;
+        let mut lit = scene.clone();
+        *lit.lights[0].emission_mut() *= 1.0001;
+        assert_ne!(first, scene_key(&lit));
         let mut renamed = scene.clone();
         renamed.name = "other".into();
         assert_ne!(first, scene_key(&moved));

@@ -27,7 +27,7 @@ mod warnings;
 
 use super::animation::{Local, Node, Thing};
 use super::lights::{self, MAX_LIGHTS};
-use super::{Bounds, Instance, Mesh, Primitive, SceneDescription};
+use super::{Bounds, Instance, Mesh, PlacedLight, Primitive, SceneDescription};
 use crate::error::{Error, Result};
 use crate::{files, parallel, startup};
 use glam::{DAffine3, DVec3, Vec3};
@@ -257,8 +257,7 @@ fn in_range(scene: &SceneDescription) -> bool {
         scene.instances.is_empty() || swept.min.x > swept.max.x || near(swept.min) && near(swept.max);
     sweeps_near
         && scene.instances.iter().all(instance_is_near)
-        && scene.point_lights.iter().all(|light| near(light.position))
-        && scene.spot_lights.iter().all(|light| near(light.position))
+        && scene.lights.iter().filter_map(PlacedLight::position).all(near)
 }
 
 /// `node 3 'Lamp'`

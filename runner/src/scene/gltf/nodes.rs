@@ -156,11 +156,8 @@ impl Placed<'_> {
             warnings.add("a light scaled to nothing shines nowhere, so is left out", &self.label);
             return None;
         }
-        Some(match light.kind() {
-            Kind::Point => {
-                scene.point_lights.push(PointLight { position, intensity });
-                Thing::PointLight(scene.point_lights.len() - 1)
-            }
+        scene.lights.push(match light.kind() {
+            Kind::Point => PointLight { position, intensity }.into(),
             Kind::Spot { inner_cone_angle: inner, outer_cone_angle: outer } => {
                 let outer_angle = outer.clamp(0.0, MAX_CONE);
                 let inner_angle = inner.clamp(0.0, outer_angle);
@@ -168,15 +165,10 @@ impl Placed<'_> {
                     let label = format!("{}: from {inner} to {outer} rad", self.label);
                     warnings.add("the cone of a spot is cut to 0 <= inner <= outer <= pi/2", &label);
                 }
-                let light = SpotLight { position, axis, intensity, inner_angle, outer_angle };
-                scene.spot_lights.push(light);
-                Thing::SpotLight(scene.spot_lights.len() - 1)
+                SpotLight { position, axis, intensity, inner_angle, outer_angle }.into()
             }
-            Kind::Directional => {
-                let light = DirectionalLight { direction: -axis, illuminance: intensity };
-                scene.directional_lights.push(light);
-                Thing::DirectionalLight(scene.directional_lights.len() - 1)
-            }
-        })
+            Kind::Directional => DirectionalLight { direction: -axis, illuminance: intensity }.into(),
+        });
+        Some(Thing::Light(scene.lights.len() - 1))
     }
 }

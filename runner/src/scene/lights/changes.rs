@@ -3,17 +3,16 @@
 use super::{LightTable, emitter_lights};
 use crate::scene::SceneDescription;
 use crate::scene::animation::{Pose, Thing};
-use shared::light::{self, Light, kind};
+use shared::light::{self, Light};
 use shared::motion::NO_LIGHT;
 use std::ops::Range;
 
-/// Which of the former lights is which, by index in the scene's lists; `None` for one that is gone. A list that is not given
-/// stays in its order: what is new is at its end.
+/// Which of the former placed lights is which.
 #[derive(Clone, Debug, Default)]
 pub struct LightEdits {
-    pub points: Option<Vec<Option<usize>>>,
-    pub spots: Option<Vec<Option<usize>>>,
-    pub directionals: Option<Vec<Option<usize>>>,
+    /// Of each its index in the scene's list now; `None` for one that is gone. Without: the list stays in its order, and what
+    /// is new is at its end.
+    pub places: Option<Vec<Option<usize>>>,
 }
 
 /// By how much a light's power may leave what the alias table was built from: any table is right, this one is good.
@@ -23,24 +22,12 @@ impl LightTable {
     /// Moves the lights that `pose` moved, in a `scene` that it was applied to. Gives the ranges of lights that changed, and
     /// whether the alias table did.
     pub fn follow(&mut self, scene: &SceneDescription, pose: &Pose) -> (Vec<Range<usize>>, bool) {
-        let spots = scene.point_lights.len();
-        let suns = spots + scene.spot_lights.len();
         let mut changed = Vec::new();
         for &(thing, _) in &pose.places {
             match thing {
-                Thing::PointLight(i) => {
-                    let l = &scene.point_lights[i];
-                    changed.push(self.set(i, Light::point(l.position, l.intensity)));
-                }
-                Thing::SpotLight(i) => {
-                    let l = &scene.spot_lights[i];
-                    let light = Light::spot(l.position, l.axis, l.intensity, l.inner_angle, l.outer_angle);
-                    changed.push(self.set(spots + i, light));
-                }
-                Thing::DirectionalLight(i) => {
-                    let (l, at) = (&scene.directional_lights[i], suns + i);
-                    let radius = self.lights[at].edge2.x;
-                    changed.push(self.set(at, Light::directional(l.direction, l.illuminance, radius)));
+                Thing::Light(i) => {
+                    let radius = self.lights[i].scene_radius();
+                    changed.push(self.set(i, scene.lights[i].light(|| radius)));
                 }
                 Thing::Instance(i) => {
                     let instance = &scene.instances[i];
@@ -93,31 +80,28 @@ fn power_of(light: &Light) -> f32 {
 pub fn light_maps(before: &LightTable, now: &LightTable, edits: &LightEdits) -> [Vec<u32>; 2] {
     let mut map = vec![NO_LIGHT; before.lights.len()];
     let mut join = |from: usize, to: usize, count: usize| {
-        (0..count).for_each(|i| map[from + i] = (to + i) as u32);
+        for (from, to) in (from..from + count).zip(to..) {
+            // Points of one kind are none of another's.
+            if before.lights[from].kind == now.lights[to].kind {
+                map[from] = to as u32;
+            }
+        }
     };
-    let (mut from, mut to) = (0, 0);
-    for (kind, edit) in
-        [(kind::POINT, &edits.points), (kind::SPOT, &edits.spots), (kind::DIRECTIONAL, &edits.directionals)]
-    {
-        let [old, new] = [before, now].map(|table| table.lights.iter().filter(|l| l.kind == kind).count());
-        match edit {
-            None => join(from, to, old.min(new)),
-            Some(places) => {
-                for (i, place) in places.iter().enumerate().take(old) {
-                    if let Some(place) = place.filter(|&place| place < new) {
-                        join(from + i, to + place, 1);
-                    }
+    match &edits.places {
+        None => join(0, 0, before.placed.min(now.placed)),
+        Some(places) => {
+            for (i, place) in places.iter().enumerate().take(before.placed) {
+                if let Some(place) = place.filter(|&place| place < now.placed) {
+                    join(i, place, 1);
                 }
             }
         }
-        (from, to) = (from + old, to + new);
     }
     for (old, new) in before.of_primitives.iter().flatten().zip(now.of_primitives.iter().flatten()) {
         join(old.start, new.start, old.len().min(new.len()));
     }
-    let [old, new] = [before, now]
-        .map(|table| table.lights.iter().rev().take_while(|l| l.kind == kind::ENVIRONMENT).count());
-    join(before.lights.len() - old, now.lights.len() - new, old.min(new));
+    let [old, new] = [before, now].map(|table| table.first_environment..table.lights.len());
+    join(old.start, new.start, old.len().min(new.len()));
     let inverse = inverse_map(&map, now.lights.len());
     [map, inverse]
 }
@@ -148,7 +132,7 @@ mod tests {
         let mut table = LightTable::new(&scene);
         for (scale, rebuilt) in [(0.5, false), (2.0, true), (2.0, false), (0.0, true)] {
             let world = DAffine3::from_scale(DVec3::splat(scale)) * DAffine3::from_rotation_y(0.4);
-            let pose = Pose { places: vec![(Thing::Instance(1), world), (Thing::PointLight(0), world)] };
+            let pose = Pose { places: vec![(Thing::Instance(1), world), (Thing::Light(0), world)] };
             scene.apply(&pose);
             let (changed, alias) = table.follow(&scene, &pose);
             assert_eq!(changed, [1..4, 4..7, 0..1]);
@@ -169,8 +153,8 @@ mod tests {
     fn edits_map_lights() {
         let before = scene();
         let mut now = before.clone();
-        let light = |x: f32| PointLight { position: Vec3::X * x, intensity: Vec3::ONE };
-        now.point_lights = vec![light(5.0), light(6.0), before.point_lights[0]];
+        let light = |x: f32| PointLight { position: Vec3::X * x, intensity: Vec3::ONE }.into();
+        now.lights = vec![light(5.0), light(6.0), before.lights[0]];
         let [old, new] = [&before, &now].map(LightTable::new);
         let none = NO_LIGHT;
         // In their order: the first stays the first; triangles move two places up.
@@ -179,12 +163,12 @@ mod tests {
         assert_eq!(back[..4], [0, none, none, 1]);
         assert_eq!((to_now.len(), back.len()), (13, 15));
         // As said: the only one is the last one now.
-        let edits = LightEdits { points: Some(vec![Some(2)]), ..LightEdits::default() };
+        let edits = LightEdits { places: Some(vec![Some(2)]) };
         let [to_now, back] = light_maps(&old, &new, &edits);
         assert_eq!((&to_now[..2], &back[..4]), (&[2, 3][..], &[none, none, 0, 1][..]));
         // Gone; and a place that does not exist.
         for place in [None, Some(9)] {
-            let edits = LightEdits { points: Some(vec![place]), ..LightEdits::default() };
+            let edits = LightEdits { places: Some(vec![place]) };
             assert_eq!(light_maps(&old, &new, &edits)[0][..2], [none, 3]);
         }
         // Emission that went out: its triangles are gone, the others keep their pairs.

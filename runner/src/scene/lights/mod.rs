@@ -1,6 +1,7 @@
 //! All lights of a scene as the GPU reads them; [`changes`] when they move.
 
 mod changes;
+pub mod placed;
 #[cfg(test)]
 mod tests;
 
@@ -8,12 +9,11 @@ pub use changes::{LightEdits, inverse_map, light_maps};
 
 use super::emission::{Emission, Emitters, Part};
 use super::environment::shines;
-use super::{
-    AlphaMode, DirectionalLight, Environment, Instance, Material, Mesh, Primitive, SceneDescription,
-};
+use super::{AlphaMode, Environment, Instance, Material, Mesh, Primitive, SceneDescription};
 use glam::{UVec2, Vec2, Vec3};
 use shared::alias_table::AliasEntry;
 use shared::light::{self, Light, UNTRACEABLE};
+use std::cell::LazyCell;
 use std::ops::Range;
 
 /// Most lights of a scene: 1 GiB of them. More would fit no device that is at hand, and counts are `u32`.
@@ -28,19 +28,20 @@ pub fn most(scene: &SceneDescription) -> u64 {
     };
     let of_meshes: Vec<u64> = scene.meshes.iter().map(of_mesh).collect();
     let triangles: u64 = scene.instances.iter().map(|instance| of_meshes[instance.mesh]).sum();
-    let punctual = scene.point_lights.len() + scene.spot_lights.len() + scene.directional_lights.len();
-    triangles + punctual as u64
+    triangles + scene.lights.len() as u64
 }
 
 /// The lights of a scene, and the table that draws them by their power.
 #[derive(Clone, Debug, Default)]
 pub struct LightTable {
-    /// Point, spot, directional lights in their order, then those of each emissive primitive of each instance (one a
+    /// The scene's placed lights, then those of each emissive primitive of each instance (one a
     /// triangle, or its lit parts where its texture varies, see [`emission`](super::emission)), then the lit texels of
     /// the environment map. Neither transforms nor strengths change the order.
     pub lights: Vec<Light>,
     /// Empty if no light has power.
     pub alias: Vec<AliasEntry>,
+    /// Number of placed lights.
+    pub placed: usize,
     /// `[instance][primitive]`: its lights.
     pub of_primitives: Vec<Vec<Range<usize>>>,
     /// Index of the first lit texel of the environment map.
@@ -54,7 +55,8 @@ pub struct LightTable {
 impl LightTable {
     pub fn new(scene: &SceneDescription) -> Self {
         let emitters = Emitters::new(scene);
-        let mut lights = punctual_lights(scene);
+        let mut lights = placed_lights(scene);
+        let placed = lights.len();
         let mut of_primitives = Vec::with_capacity(scene.instances.len());
         let mut textured = 0;
         for instance in &scene.instances {
@@ -76,7 +78,7 @@ impl LightTable {
         let first_environment = lights.len();
         lights.extend(environment_lights(scene));
         let alias = light::build_alias_table(&lights);
-        LightTable { lights, alias, of_primitives, first_environment, emitters, textured }
+        LightTable { lights, alias, placed, of_primitives, first_environment, emitters, textured }
     }
 
     /// The light of the first triangle of a primitive of an instance, if rays that hit its triangles find theirs.
@@ -120,25 +122,16 @@ pub fn is_lit(scene: &SceneDescription) -> bool {
         let mut primitives = scene.meshes[instance.mesh].primitives.iter();
         primitives.any(|primitive| scene.materials[primitive.material].emission != Vec3::ZERO)
     };
-    punctual_lights(scene).iter().any(shines)
+    placed_lights(scene).iter().any(shines)
         || environment_lights(scene).iter().any(shines)
         // Textures may be black.
         || scene.instances.iter().any(emits) && LightTable::new(scene).lights.iter().any(shines)
 }
 
-fn punctual_lights(scene: &SceneDescription) -> Vec<Light> {
-    let points = scene.point_lights.iter().map(|l| Light::point(l.position, l.intensity));
-    let spots = scene
-        .spot_lights
-        .iter()
-        .map(|l| Light::spot(l.position, l.axis, l.intensity, l.inner_angle, l.outer_angle));
-    let mut lights: Vec<Light> = points.chain(spots).collect();
-    if !scene.directional_lights.is_empty() {
-        let radius = scene.radius();
-        let light = |l: &DirectionalLight| Light::directional(l.direction, l.illuminance, radius);
-        lights.extend(scene.directional_lights.iter().map(light));
-    }
-    lights
+fn placed_lights(scene: &SceneDescription) -> Vec<Light> {
+    // It takes a look at every vertex.
+    let radius = LazyCell::new(|| scene.radius());
+    scene.lights.iter().map(|light| light.light(|| *radius)).collect()
 }
 
 fn environment_lights(scene: &SceneDescription) -> Vec<Light> {

@@ -33,7 +33,7 @@ pub(super) fn scene() -> SceneDescription {
             })
             .to_vec(),
         materials: vec![Material::default(), glowing],
-        point_lights: vec![PointLight { position: Vec3::Y, intensity: Vec3::splat(7.0) }],
+        lights: vec![PointLight { position: Vec3::Y, intensity: Vec3::splat(7.0) }.into()],
         ..SceneDescription::default()
     }
 }
@@ -120,7 +120,7 @@ fn textured_lights_are_where_the_texture_is_bright() {
 #[test]
 fn black_textures_are_no_light() {
     let mut scene = scene();
-    scene.point_lights.clear();
+    scene.lights.clear();
     assert!(is_lit(&scene));
     let image = Arc::new(Image { name: String::new(), width: 1, height: 1, texels: vec![0, 0, 0, 255] });
     scene.textures = vec![Texture { image, srgb: true, wrap: [Wrap::Repeat; 2], filter: Filter::LINEAR }];

@@ -30,7 +30,7 @@ pub fn scatter(scene: &mut SceneDescription, count: usize, seed: u64) {
         let unit = Vec3::new(rng.next_f32(), rng.next_f32(), rng.next_f32());
         let color = moderate_color(rng.next_f32());
         let position = bounds.min + extent * (0.01 + 0.98 * unit);
-        scene.point_lights.push(PointLight { position, intensity: color * intensity });
+        scene.lights.push(PointLight { position, intensity: color * intensity }.into());
     }
 }
 
@@ -64,18 +64,19 @@ mod tests {
         let lights = |count, seed| {
             let mut scene = scene(1.0);
             scatter(&mut scene, count, seed);
-            (scene.bounds(), scene.point_lights)
+            (scene.bounds(), scene.lights)
         };
         let (bounds, first) = lights(1000, 5);
         assert_eq!(first, lights(1000, 5).1);
         // Both halves of the seed count.
         assert_ne!(first, lights(1000, 6).1);
         assert_ne!(first, lights(1000, 5 + (1 << 32)).1);
+        let places: Vec<Vec3> = first.iter().filter_map(|light| light.position()).collect();
         let inset = 0.0099 * bounds.extent();
         let (min, max) = (bounds.min + inset, bounds.max - inset);
-        assert!(first.iter().all(|l| l.position.cmpge(min).all() && l.position.cmple(max).all()));
+        assert!(places.iter().all(|p| p.cmpge(min).all() && p.cmple(max).all()));
         // Uniform: the mean of 1000 has a deviation of extent / sqrt(12 000); 5 of them.
-        let mean = first.iter().map(|l| l.position).sum::<Vec3>() / 1000.0;
+        let mean = places.iter().sum::<Vec3>() / 1000.0;
         assert!(
             ((mean - bounds.center()) / bounds.extent()).abs().max_element() < 5.0 / 12_000f32.sqrt(),
             "{mean}"
@@ -87,13 +88,13 @@ mod tests {
         for (count, scale) in [(1, 1.0), (100, 1.0), (100, 10.0)] {
             let mut scene = scene(scale);
             scatter(&mut scene, count, 1);
-            let flux: f32 = scene.point_lights.iter().map(|l| 4.0 * PI * luminance(l.intensity)).sum();
+            let flux: f32 = scene.lights.iter().map(|l| l.light(|| 0.0).power).sum();
             // The box of 2 x 4 x 6 m has 88 m².
             let illuminance = flux / (88.0 * scale * scale);
             assert!((illuminance - 500.0).abs() < 0.05, "{count} lights, scale {scale}: {illuminance} lx");
         }
         let mut empty = SceneDescription::default();
         scatter(&mut empty, 10, 1);
-        assert!(empty.point_lights.is_empty());
+        assert!(empty.lights.is_empty());
     }
 }

@@ -35,7 +35,8 @@ fn far_nodes_lose_nothing() {
     assert!((far.origin - DVec3::from(FAR)).length() < 1.0, "{}", far.origin);
     let shift = (far.origin - DVec3::from(FAR)).as_vec3();
     let places = |scene: &SceneDescription| {
-        [corner(scene, 0), corner(scene, 2), scene.cameras[0].position, scene.point_lights[0].position]
+        let light = scene.lights[0].position().unwrap();
+        [corner(scene, 0), corner(scene, 2), scene.cameras[0].position, light]
     };
     for (near, far) in places(&near).into_iter().zip(places(&far)) {
         assert!((far + shift - near).length() < 3e-7, "{near} became {}", far + shift);

@@ -190,15 +190,14 @@ fn cameras_and_lights_stand_in_the_world() {
     nodes.extend([turned, spot, sun]);
     let scene = file.load().unwrap();
     let position = Vec3::new(1.0, 2.0, 3.0);
-    assert_eq!(
-        scene.point_lights,
-        [crate::scene::PointLight { position, intensity: Vec3::new(8.0, 4.0, 0.0) }]
-    );
-    let [spot] = &scene.spot_lights[..] else { panic!("{:?}", scene.spot_lights) };
+    use crate::scene::PlacedLight::{Directional, Point, Spot};
+    let [Point(point), Spot(spot), Directional(sun)] = &scene.lights[..] else {
+        panic!("{:?}", scene.lights)
+    };
+    assert_eq!((point.position, point.intensity), (position, Vec3::new(8.0, 4.0, 0.0)));
     assert!((spot.axis + Vec3::X).length() < 1e-6, "scale may mirror, but not turn the axis: {}", spot.axis);
     assert_eq!((spot.position, spot.intensity), (Vec3::X * 4.0, Vec3::new(8.0, 4.0, 0.0)));
     assert_eq!((spot.inner_angle, spot.outer_angle), (0.25, std::f32::consts::FRAC_PI_4));
-    let [sun] = &scene.directional_lights[..] else { panic!("{:?}", scene.directional_lights) };
     assert!((sun.direction + Vec3::Y).length() < 1e-6, "it shines up: {}", sun.direction);
     assert_eq!(sun.illuminance, Vec3::new(8.0, 4.0, 0.0));
     let [camera] = &scene.cameras[..] else { panic!("{:?}", scene.cameras) };

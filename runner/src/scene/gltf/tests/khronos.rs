@@ -70,7 +70,7 @@ fn every_model_arrives_whole() {
         let Expected { name, triangles, instances, meshes, materials, .. } = expected;
         assert_eq!(counts, (triangles, instances, meshes, materials), "{name}");
         assert_eq!(
-            (scene.textures.len(), scene.point_lights.len()),
+            (scene.textures.len(), scene.lights.len()),
             (expected.textures, expected.points),
             "{name}"
         );

@@ -29,7 +29,7 @@ pub fn atrium(light_count: usize) -> SceneDescription {
         name: "atrium".into(),
         materials: materials::materials(),
         textures: textures::textures(),
-        point_lights: lights::lights(light_count),
+        lights: lights::lights(light_count).into_iter().map(Into::into).collect(),
         cameras: cameras(),
         ..SceneDescription::default()
     };

@@ -210,11 +210,12 @@ fn lights_are_in_the_hall_and_not_in_columns() {
 /// Lamps' flames are near their lamps, but not in them; lights that float keep further away.
 #[test]
 fn lights_burn_in_free_air() {
+    let lamps = lights::lights(DEFAULT_LIGHT_COUNT);
     let floating = lights::lights(20_000).split_off(DEFAULT_LIGHT_COUNT);
     let some = |lights: &[crate::scene::PointLight], step| {
         lights.iter().step_by(step).map(|light| light.position).collect::<Vec<_>>()
     };
-    for (positions, least) in [(some(&HALL.point_lights, 3), 0.03), (some(&floating, 97), 0.1)] {
+    for (positions, least) in [(some(&lamps, 3), 0.03), (some(&floating, 97), 0.1)] {
         for p in positions {
             for t in TRIANGLES.iter() {
                 let [a, b, c] = t.corners;
@@ -225,7 +226,7 @@ fn lights_burn_in_free_air() {
         }
     }
     // Inside a solid, rays meet backs.
-    for p in some(&HALL.point_lights, 11).into_iter().chain(some(&floating, 487)) {
+    for p in some(&lamps, 11).into_iter().chain(some(&floating, 487)) {
         for i in 0..2 {
             assert_eq!(sees_front(&TRIANGLES, p, direction(i, 2)), Some(true), "from {p}");
         }
