@@ -272,11 +272,11 @@ fn what_hidden_nodes_hold_is_not_there_but_for_cameras() {
     let light = json!({"KHR_lights_punctual": {"light": 0}, "KHR_node_visibility": {"visible": true}});
     nodes.push(json!({"mesh": 0, "camera": 0, "extensions": light}));
     let scene = file.load().unwrap();
-    assert_eq!((scene.instances.len(), scene.point_lights.len(), scene.cameras.len()), (1, 0, 1));
+    assert_eq!((scene.instances.len(), scene.lights.len(), scene.cameras.len()), (1, 0, 1));
     assert_eq!(scene.cameras[0].name, "0");
     file.json["nodes"][1]["extensions"]["KHR_node_visibility"]["visible"] = json!(true);
     let scene = file.load().unwrap();
-    assert_eq!((scene.instances.len(), scene.point_lights.len()), (2, 1));
+    assert_eq!((scene.instances.len(), scene.lights.len()), (2, 1));
 }
 
 #[test]

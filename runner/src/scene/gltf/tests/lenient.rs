@@ -1,6 +1,7 @@
 //! What is not drawn may be broken, and what is drawn may be odd: a warning, not a refusal.
 
 use super::*;
+use crate::scene::{PlacedLight, SpotLight};
 use glam::Vec4;
 
 /// `change` makes a file odd; it must draw the quad all the same. Gives the scene.
@@ -244,7 +245,12 @@ fn lights_that_make_no_sense() {
     warned(lit(json!({"type": "point", "color": "red"})), &["light 0: color"]);
     let mut file = File::quad();
     lit(json!({"type": "spot"}))(&mut file);
-    assert_eq!(file.load().unwrap().spot_lights[0].outer_angle, std::f32::consts::FRAC_PI_4);
+    assert_eq!(spot_of(&file.load().unwrap()).outer_angle, std::f32::consts::FRAC_PI_4);
+}
+
+fn spot_of(scene: &SceneDescription) -> SpotLight {
+    let [PlacedLight::Spot(light)] = scene.lights[..] else { panic!("{:?}", scene.lights) };
+    light
 }
 
 #[test]
@@ -255,7 +261,7 @@ fn cones_are_cut_to_what_is_possible() {
     {
         let spot = json!({"type": "spot", "spot": {"innerConeAngle": inner, "outerConeAngle": outer}});
         let scene = drawn(lit(spot));
-        let light = &scene.spot_lights[0];
+        let light = spot_of(&scene);
         assert!(
             (light.inner_angle - cut.0).abs() < 1e-3 && (light.outer_angle - cut.1).abs() < 1e-3,
             "{light:?}"
