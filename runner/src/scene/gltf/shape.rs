@@ -248,9 +248,12 @@ impl<'w> Mender<'w> {
         // Things may name others of their own kind.
         self.count(kind, list.len());
         for (i, value) in list.iter_mut().enumerate() {
-            let name = value.get("name").and_then(Value::as_str);
-            if let Err(reason) = self.mend(value, element, &label(kind.name(), i, name)) {
+            let name = value.get("name").and_then(Value::as_str).map(str::to_owned);
+            if let Err(reason) = self.mend(value, element, &label(kind.name(), i, name.as_deref())) {
                 *value = json(kind.hole())?;
+                if let Some(name) = name {
+                    value["name"] = name.into();
+                }
                 self.mark(kind, i, reason);
             }
         }
