@@ -5,8 +5,9 @@ use std::path::Path;
 use tests::docs::{files, workspace};
 
 /// A room imports only from those before it.
-const ROOMS: [&str; 15] = [
+const ROOMS: [&str; 16] = [
     "error",
+    "files",
     "exposure",
     "parallel",
     "shader_library",

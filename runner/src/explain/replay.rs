@@ -29,7 +29,7 @@ pub struct Replay<'a> {
 }
 
 impl Replay<'_> {
-    /// The pass over reservoir `lane`. `targets`: what `pair_targets` left, of a pass that merges pairs.
+    /// The pass over reservoir `lane`. `pairs`: of a pass that merges pairs, the one before it, which told them of each other.
     pub fn reservoir(&self, lane: u32, pairs: Option<&Replay<'_>>) -> PassReport {
         let at = self.at(lane);
         let gpu: StoredReservoir = self.ran.left(Binding::merged)[at.index(Extent::Reservoirs)];
@@ -122,7 +122,7 @@ fn first_agreeing<'a, T>(
     if agrees(&first.0) {
         return first;
     }
-    // A flip may add a ray: one bit more than were asked.
+    // A flip may add a ray: one bit more than were asked. With more than 16 rays the search would not end.
     let count = first.1.0.borrow().count.min(16);
     (1..2u32 << count).map(attempt).find(|(result, _)| agrees(result)).unwrap_or(first)
 }

@@ -73,18 +73,18 @@ impl GpuScene {
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
         let positions = upload.buffer("positions", &arrays.positions, storage | BUILD_INPUT)?;
         let indices = upload.buffer("indices", &arrays.indices, storage | BUILD_INPUT)?;
-        let mut buffers = BTreeMap::new();
-        let mut keep =
-            |resource, buffer: Result<Buffer>| buffer.map(|buffer| drop(buffers.insert(resource, buffer)));
-        keep(Resource::instances, upload.buffer("instances", &arrays.instances, storage))?;
-        keep(Resource::positions, Ok(positions))?;
-        keep(Resource::attributes, upload.buffer("vertex attributes", &arrays.attributes, storage))?;
-        keep(Resource::indices, Ok(indices))?;
-        keep(Resource::materials, upload.buffer("materials", &arrays.materials, storage))?;
-        keep(Resource::lights, upload.buffer("lights", &lights.lights, storage))?;
-        keep(Resource::alias, upload.buffer("alias table", &lights.alias, storage))?;
-        keep(Resource::second_uvs, upload.buffer("second uvs", &arrays.second_uvs, storage))?;
-        keep(Resource::environment, upload.buffer("environment map", &environment_texels(scene), storage))?;
+        let environment = upload.buffer("environment map", &environment_texels(scene), storage)?;
+        let buffers = BTreeMap::from([
+            (Resource::instances, upload.buffer("instances", &arrays.instances, storage)?),
+            (Resource::positions, positions),
+            (Resource::attributes, upload.buffer("vertex attributes", &arrays.attributes, storage)?),
+            (Resource::indices, indices),
+            (Resource::materials, upload.buffer("materials", &arrays.materials, storage)?),
+            (Resource::lights, upload.buffer("lights", &lights.lights, storage)?),
+            (Resource::alias, upload.buffer("alias table", &lights.alias, storage)?),
+            (Resource::second_uvs, upload.buffer("second uvs", &arrays.second_uvs, storage)?),
+            (Resource::environment, environment),
+        ]);
         let draws = Draws::new(&mut upload, &arrays)?;
         let (textures, views) = upload_textures(device, &mut upload, scene)?;
         upload.finish()?;

@@ -80,7 +80,9 @@ fn blocks(results: &Results, stem: &str, folder: &str) -> (String, Vec<Picture>)
         let _ = write!(text, "\n![{title}]({folder}/{name})\n");
         pictures.push((name, svg));
     };
-    for svg in html::over_lights(results) {
+    let over_lights = html::over_lights(results);
+    let has_curves = !over_lights.is_empty();
+    for svg in over_lights {
         plot(&mut text, "Over the number of lights", svg);
     }
     for group in Group::all(results) {
@@ -88,15 +90,11 @@ fn blocks(results: &Results, stem: &str, folder: &str) -> (String, Vec<Picture>)
         if let Some(unsettled) = group.unsettled() {
             let _ = write!(text, "\n{unsettled}\n");
         }
-        if let Some(svg) = html::equal_time(&group) {
+        let curve = html::equal_time(&group);
+        // Long tables stand behind the curves that they support.
+        let folded = has_curves || curve.is_some();
+        if let Some(svg) = curve {
             plot(&mut text, "Error over time", svg);
-        }
-        let equal = plan.accumulate.as_ref().and_then(|a| tables::equal_time(&group, &a.targets));
-        if let Some(table) = equal {
-            write_table(&mut text, &table);
-        }
-        if let Some(table) = tables::error_after(&group) {
-            write_table(&mut text, &table);
         }
         let sentences = verdict::sentences(results, &group);
         if !sentences.is_empty() {
@@ -105,10 +103,20 @@ fn blocks(results: &Results, stem: &str, folder: &str) -> (String, Vec<Picture>)
         for sentence in sentences {
             let _ = writeln!(text, "- {sentence}");
         }
+        if folded {
+            text += "\n<details>\n<summary>The numbers</summary>\n";
+        }
+        let equal = plan.accumulate.as_ref().and_then(|a| tables::equal_time(&group, &a.targets));
+        for table in equal.iter().chain(&tables::error_after(&group)) {
+            write_table(&mut text, table);
+        }
         for (name, rows) in group.series() {
             let mut table = tables::series(&rows);
             table[0][0] = name.into();
             write_table(&mut text, &table);
+        }
+        if folded {
+            text += "\n</details>\n";
         }
     }
     let _ = write!(text, "\n{COLUMNS}\n");

@@ -117,8 +117,7 @@ impl<'a> Group<'a> {
         let names: Vec<_> = self.rows.iter().filter(unsettled).map(name).collect();
         let all = names.len() == self.rows.len();
         let which = if all { "all points".to_owned() } else { names.join("; ") };
-        (!names.is_empty())
-            .then(|| format!("Timed before their frames stood still, the longest wait being over: {which}."))
+        (!names.is_empty()).then(|| format!("Timed before frame times had stabilized: {which}."))
     }
 }
 

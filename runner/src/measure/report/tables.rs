@@ -176,7 +176,7 @@ mod tests {
         let table = bench(&rows);
         assert_eq!(table[0], ["", "change", "shade", "frame, ms", "spread", "over the first"]);
         assert_eq!(table[1], ["first", "", "2.000", "4.000", "0.000", "1.000"]);
-        let change = "--lights 9 --mode biased --no-temporal";
+        let change = "--lights 9 --no-temporal --mode biased";
         assert_eq!(table[2], ["other", change, "2.500", "5.000", "0.000", "1.250"]);
         assert_eq!(table[3], ["lost", "failed: no device"]);
     }

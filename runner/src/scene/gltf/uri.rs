@@ -53,10 +53,8 @@ fn in_any_case(folder: &Path, part: &str) -> Option<OsString> {
 pub fn read(uri: &str, base: &Path) -> Reason<Vec<u8>> {
     match find(uri, base)? {
         Content::Bytes(bytes) => Ok(bytes.into_owned()),
-        Content::File(path) => {
-            files::bytes(&path)
-                .map_err(|error| format!("can't read '{}': {error}", label(&path.display().to_string())))
-        }
+        Content::File(path) => files::bytes(&path)
+            .map_err(|error| format!("can't read '{}': {error}", label(&path.display().to_string()))),
     }
 }
 
