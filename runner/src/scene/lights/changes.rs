@@ -176,7 +176,7 @@ mod tests {
             &old,
             &LightTable {
                 of_primitives: vec![vec![0..0], vec![0..0, 0..0, 1..4], vec![0..0, 4..7, 7..10]],
-                ..new.clone()
+                ..old.clone()
             },
             &LightEdits::default(),
         );
