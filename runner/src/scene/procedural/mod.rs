@@ -1,6 +1,8 @@
 //! Scenes and parts of scenes that are computed, not loaded.
 
 pub mod atrium;
+mod kit;
 pub mod knot;
+mod noise;
 pub mod scatter;
 pub mod shapes;

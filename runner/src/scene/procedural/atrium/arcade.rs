@@ -1,7 +1,7 @@
 //! The arcades of both storeys and the entablature between them.
 
-use super::kit::{Kit, Part};
-use super::materials::Finish;
+use crate::scene::procedural::kit::Kit;
+use super::materials::{Finish, Part};
 use super::plan::{
     AISLE_CEILING, ARCADE, ARCH, BAY, BAYS, CORNICE, GALLERY_CEILING, HALF_LENGTH, NAVE, SPRING, UPPER_ARCH,
     UPPER_SPRING, bay_centers, column_lines,

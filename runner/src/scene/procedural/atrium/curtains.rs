@@ -1,7 +1,7 @@
 //! Cloth: tied drapes between the columns and long hangings from the galleries.
 
-use super::kit::{Kit, Part, turned};
-use super::materials::Finish;
+use crate::scene::procedural::kit::{Kit, turned};
+use super::materials::{Finish, Part};
 use super::plan::{BAY, NAVE, bay_centers};
 use crate::scene::procedural::shapes::{Shape, patch, sphere, tube};
 use glam::{Affine3A, Vec3};

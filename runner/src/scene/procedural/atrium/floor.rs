@@ -1,7 +1,7 @@
 //! The inlaid stone floor of the hall.
 
-use super::kit::{Kit, Part};
-use super::materials::Finish;
+use crate::scene::procedural::kit::Kit;
+use super::materials::{Finish, Part};
 use super::plan::{BAY, HALF_LENGTH, NAVE, WALL};
 use crate::scene::procedural::shapes::{Shape, bevelled_slab, polygon};
 use glam::{Vec2, Vec3};

@@ -1,8 +1,8 @@
 //! The lamps: where they hang, what they look like, and where their flames are.
 
 use super::furnishings::Obstacle;
-use super::kit::{Kit, Part, turned};
-use super::materials::Finish;
+use crate::scene::procedural::kit::{Kit, turned};
+use super::materials::{Finish, Part};
 use super::plan::{
     ARCH, BAY, BAYS, CORNICE, GALLERY_CEILING, HALF_LENGTH, NAVE, SPRING, VAULT_ANGLE, WALL, bay_centers,
     column_lines,

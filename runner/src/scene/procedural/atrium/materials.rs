@@ -2,6 +2,7 @@
 
 use super::textures::{ASHLAR, MARBLE, WOOD};
 use crate::scene::Material;
+use crate::scene::procedural::kit;
 use glam::{Vec3, Vec4};
 
 /// A material of the hall; its number is the index into `SceneDescription::materials`.
@@ -74,9 +75,17 @@ const TABLE: [Entry; 29] = [
     (Finish::Wax, [0.86, 0.80, 0.66], 0.45, 0.0),
 ];
 
-/// Whether meshes of this finish need tangents.
-pub fn has_normal_map(finish: Finish) -> bool {
-    finish == Finish::Ashlar
+/// A mesh of the hall under construction.
+pub type Part = kit::Part<Finish>;
+
+impl kit::Finish for Finish {
+    fn index(self) -> usize {
+        self as usize
+    }
+
+    fn has_normal_map(self) -> bool {
+        self == Finish::Ashlar
+    }
 }
 
 fn texture(finish: Finish) -> Option<usize> {
@@ -95,7 +104,7 @@ pub fn materials() -> Vec<Material> {
         base_color_texture: texture(finish),
         roughness,
         metallic,
-        normal_texture: has_normal_map(finish).then_some(ASHLAR),
+        normal_texture: kit::Finish::has_normal_map(finish).then_some(ASHLAR),
         // Thin sheets, seen from both sides.
         double_sided: matches!(
             finish,

@@ -6,7 +6,6 @@ mod curtains;
 mod floor;
 mod furnishings;
 mod gallery;
-mod kit;
 mod lamps;
 mod lights;
 mod materials;
@@ -16,6 +15,7 @@ mod vault;
 mod wall;
 mod walls;
 
+use super::kit;
 use crate::scene::{SceneCamera, SceneDescription};
 use glam::Vec3;
 

@@ -1,7 +1,7 @@
 //! The walls behind the aisles and galleries and at both ends, with niches, doors and windows.
 
-use super::kit::{Kit, Part, turned};
-use super::materials::Finish;
+use crate::scene::procedural::kit::{Kit, turned};
+use super::materials::{Finish, Part};
 use super::plan::{
     AISLE_CEILING, BAY, BAYS, GALLERY_CEILING, GALLERY_FLOOR, HALF_LENGTH, NAVE, VAULT_CROWN, WALL,
     bay_centers,

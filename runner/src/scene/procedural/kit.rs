@@ -1,31 +1,52 @@
-//! Collects meshes and instances of the scene under construction.
+//! Collects meshes and instances of a generated scene.
 
-use super::materials::{Finish, has_normal_map};
-use crate::scene::procedural::shapes::Shape;
+use super::shapes::Shape;
 use crate::scene::{Instance, Mesh, SceneDescription};
 use glam::{Affine3A, Quat, Vec3};
 use std::collections::BTreeMap;
 
-/// A mesh under construction: one primitive for each finish.
-#[derive(Default)]
-pub struct Part(BTreeMap<Finish, Shape>);
+/// A material of a generated scene.
+pub trait Finish: Copy + Ord {
+    /// Into `SceneDescription::materials`.
+    fn index(self) -> usize;
 
-impl Part {
-    pub fn of(finish: Finish, shape: Shape) -> Self {
+    /// Its meshes need tangents.
+    fn has_normal_map(self) -> bool {
+        false
+    }
+
+    /// What its textures cover before they repeat, m.
+    fn repeat(self) -> f32 {
+        1.0
+    }
+}
+
+/// A mesh under construction: one primitive for each finish.
+#[derive(Clone)]
+pub struct Part<F>(BTreeMap<F, Shape>);
+
+impl<F> Default for Part<F> {
+    fn default() -> Self {
+        Part(BTreeMap::new())
+    }
+}
+
+impl<F: Finish> Part<F> {
+    pub fn of(finish: F, shape: Shape) -> Self {
         Part::default().with(finish, shape)
     }
 
-    pub fn with(mut self, finish: Finish, shape: Shape) -> Self {
+    pub fn with(mut self, finish: F, shape: Shape) -> Self {
         self.add(finish, &shape);
         self
     }
 
-    pub fn add(&mut self, finish: Finish, shape: &Shape) {
+    pub fn add(&mut self, finish: F, shape: &Shape) {
         self.0.entry(finish).or_default().append(shape);
     }
 
     /// Adds all of `other`, moved.
-    pub fn merge(&mut self, other: &Part, transform: Affine3A) {
+    pub fn merge(&mut self, other: &Part<F>, transform: Affine3A) {
         for (&finish, shape) in &other.0 {
             self.add(finish, &shape.clone().moved(transform));
         }
@@ -39,11 +60,13 @@ pub struct Kit {
 
 impl Kit {
     /// Adds a mesh, returns its index.
-    pub fn mesh(&mut self, name: &str, part: Part) -> usize {
-        let primitives = part
-            .0
-            .into_iter()
-            .map(|(finish, shape)| shape.into_primitive(finish as usize, has_normal_map(finish)));
+    pub fn mesh<F: Finish>(&mut self, name: &str, part: Part<F>) -> usize {
+        let primitives = part.0.into_iter().map(|(finish, mut shape)| {
+            if finish.repeat() != 1.0 {
+                shape.uvs.iter_mut().for_each(|uv| *uv /= finish.repeat());
+            }
+            shape.into_primitive(finish.index(), finish.has_normal_map())
+        });
         self.scene.meshes.push(Mesh { name: name.into(), primitives: primitives.collect() });
         self.scene.meshes.len() - 1
     }
@@ -65,13 +88,13 @@ impl Kit {
     }
 
     /// A mesh that occurs once, where it was modelled.
-    pub fn single(&mut self, name: &str, part: Part) {
+    pub fn single<F: Finish>(&mut self, name: &str, part: Part<F>) {
         let mesh = self.mesh(name, part);
         self.place_at(mesh, Vec3::ZERO);
     }
 
     /// A mesh of the side of positive z, with its half-turned twin.
-    pub fn both_sides(&mut self, name: &str, part: Part) {
+    pub fn both_sides<F: Finish>(&mut self, name: &str, part: Part<F>) {
         let mesh = self.mesh(name, part);
         self.place_both(mesh, Vec3::ZERO);
     }
