@@ -203,6 +203,8 @@ pub enum SceneSource {
     Atrium,
     /// One object before a backdrop.
     Knot,
+    /// The procedural town at night.
+    Town,
     File(PathBuf),
 }
 

@@ -1,7 +1,7 @@
 //! From what the command line names to a scene with lights.
 
 use super::lights::is_lit;
-use super::procedural::{atrium, knot, scatter::scatter};
+use super::procedural::{atrium, knot, scatter::scatter, town};
 use super::{SceneDescription, SceneSource, environment, gltf};
 use crate::error::Result;
 use crate::startup;
@@ -50,6 +50,7 @@ impl SceneSource {
         match name.to_str() {
             Some("atrium") => SceneSource::Atrium,
             Some("knot") => SceneSource::Knot,
+            Some("town") => SceneSource::Town,
             _ => SceneSource::File(name.into()),
         }
     }
@@ -61,6 +62,7 @@ pub fn load(source: &SceneSource, illumination: &Illumination) -> Result<SceneDe
     let mut scene = startup::timed("scene", || match source {
         SceneSource::Atrium => Ok(atrium::atrium(lights)),
         SceneSource::Knot => Ok(knot::knot()),
+        SceneSource::Town => Ok(town::town(lights)),
         SceneSource::File(path) => gltf::load(path),
     })?;
     scene.materials.iter_mut().for_each(|material| material.emission *= emissive_scale);

@@ -47,6 +47,7 @@ impl Source {
         let scene = match &self.scene {
             SceneSource::Atrium => "atrium".to_string(),
             SceneSource::Knot => "knot".to_string(),
+            SceneSource::Town => "town".to_string(),
             SceneSource::File(path) => quoted(path),
         };
         let Illumination { lights, environment, emissive_scale } = &self.illumination;

@@ -41,6 +41,10 @@ impl<F: Finish> Part<F> {
         self
     }
 
+    pub fn triangles(&self) -> usize {
+        self.0.values().map(|shape| shape.indices.len() / 3).sum()
+    }
+
     pub fn add(&mut self, finish: F, shape: &Shape) {
         self.0.entry(finish).or_default().append(shape);
     }

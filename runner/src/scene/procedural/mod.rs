@@ -6,3 +6,4 @@ pub mod knot;
 mod noise;
 pub mod scatter;
 pub mod shapes;
+pub mod town;

@@ -1,0 +1,32 @@
+//! Where the town is looked at from.
+
+use super::plan::{KERB, Plan};
+use super::{room, traffic};
+use crate::scene::SceneCamera;
+use glam::Vec3;
+
+/// The first is the one to start with; the last one moves.
+pub fn cameras(plan: &Plan) -> Vec<SceneCamera> {
+    let mut cameras = vec![
+        camera("street", Vec3::new(98.0, 1.7, 1.2), Vec3::new(0.0, 5.2, -0.5), 50.0),
+        camera("roofs", Vec3::new(-118.0, 41.0, 128.0), Vec3::new(60.0, 8.0, -95.0), 52.0),
+        camera("square", Vec3::new(27.5, KERB + 1.7, 42.0), Vec3::new(-3.0, 8.5, -8.0), 58.0),
+    ];
+    if let Some(place) = room::transform(plan) {
+        let [position, target] = room::CAMERA.map(|p| place.transform_point3(p));
+        cameras.push(camera("room", position, target, 62.0));
+    }
+    let (position, way) = traffic::driver(&traffic::drive(), 0.0);
+    cameras.push(camera("drive", position, position + Vec3::new(way.x, 0.0, way.y), 56.0));
+    cameras
+}
+
+fn camera(name: &str, position: Vec3, target: Vec3, degrees: f32) -> SceneCamera {
+    SceneCamera {
+        name: name.into(),
+        position,
+        forward: (target - position).normalize(),
+        up: Vec3::Y,
+        fov_y: degrees.to_radians(),
+    }
+}

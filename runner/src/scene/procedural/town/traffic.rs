@@ -1,0 +1,181 @@
+//! What moves: cars that go round their blocks, and the drive through the town.
+
+use super::cars;
+use super::plan::{Plan, Rect, SIDES, Usage};
+use crate::scene::animation::{Animation, Channel, Curve, Interpolation, Local, Node, Thing, Track};
+use glam::{DAffine3, DQuat, DVec3, DVec4, Quat, Vec2, Vec3};
+
+/// Time of a round and of the drive, s.
+pub const DURATION: f32 = 24.0;
+/// Cars keep this far from the drive, m.
+const CLEAR: f32 = 7.0;
+/// Keys of a round or of the drive.
+const KEYS: usize = 480;
+/// Blocks farther from the middle have no traffic, m.
+const BUSY: f32 = 330.0;
+
+/// Straight legs with arcs between them, m.
+#[derive(Clone, Debug)]
+pub struct Path {
+    /// (length from the start, place); many.
+    points: Vec<(f32, Vec2)>,
+}
+
+impl Path {
+    /// Through `corners`, which arcs of `radius` round off; closed, or from the first to the last.
+    fn new(corners: &[Vec2], radius: f32, closed: bool) -> Self {
+        let n = corners.len();
+        let mut places = Vec::new();
+        for i in 0..n {
+            if !closed && (i == 0 || i + 1 == n) {
+                places.push(corners[i]);
+                continue;
+            }
+            let (a, b, c) = (corners[(i + n - 1) % n], corners[i], corners[(i + 1) % n]);
+            let (before, after) = ((b - a).normalize(), (c - b).normalize());
+            // Turns of a quarter.
+            let middle = b - radius * before + radius * after;
+            for k in 0..=16 {
+                let (sin, cos) = (std::f32::consts::FRAC_PI_2 * k as f32 / 16.0).sin_cos();
+                places.push(middle - radius * cos * after + radius * sin * before);
+            }
+        }
+        if closed {
+            places.push(places[0]);
+        }
+        let mut points = vec![(0.0, places[0])];
+        for pair in places.windows(2) {
+            let (length, _) = points[points.len() - 1];
+            points.push((length + pair[0].distance(pair[1]), pair[1]));
+        }
+        Path { points }
+    }
+
+    pub fn length(&self) -> f32 {
+        self.points[self.points.len() - 1].0
+    }
+
+    /// The place at a length from the start; before the start and after the end straight on.
+    pub fn at(&self, length: f32) -> Vec2 {
+        let after = self.points.partition_point(|point| point.0 <= length).clamp(1, self.points.len() - 1);
+        let ((l0, a), (l1, b)) = (self.points[after - 1], self.points[after]);
+        a + (b - a) * ((length - l0) / (l1 - l0).max(1e-6))
+    }
+}
+
+/// A car's way round its block.
+pub struct Round {
+    path: Path,
+    /// Share of the way at time 0.
+    start: f32,
+    pub color: usize,
+}
+
+impl Round {
+    pub fn at(&self, time: f32) -> Vec2 {
+        self.path.at(self.path.length() * (time / DURATION + self.start).fract())
+    }
+
+    /// Unit. Looks back as far as forward, as its wheels do.
+    pub fn way(&self, time: f32) -> Vec2 {
+        let length = self.path.length() * (time / DURATION + self.start).fract();
+        let at = |l: f32| self.path.at(l.rem_euclid(self.path.length()));
+        (at(length + 1.3) - at(length - 1.3)).normalize_or(Vec2::X)
+    }
+}
+
+/// The middle of the lane next to a block, clockwise from above: traffic keeps right.
+fn lane(plan: &Plan, block: usize) -> (Rect, f32) {
+    let block = &plan.blocks[block];
+    let [north, east, south, west] = SIDES.map(|side| plan.rank(block, side).lane());
+    let rect = Rect::new(block.curb.min - Vec2::new(west, north), block.curb.max + Vec2::new(east, south));
+    (rect, 1.5 * [north, east, south, west].into_iter().fold(f32::INFINITY, f32::min))
+}
+
+/// All cars that move, near the middle first; none meets the drive.
+pub fn rounds(plan: &Plan) -> Vec<Round> {
+    let mut blocks: Vec<usize> =
+        (0..plan.blocks.len()).filter(|&i| plan.blocks[i].distance() < BUSY && plan.blocks[i].usage != Usage::Park).collect();
+    blocks.sort_by(|&a, &b| plan.blocks[a].distance().total_cmp(&plan.blocks[b].distance()));
+    let drive = drive();
+    let mut rounds = Vec::new();
+    for (i, block) in blocks.into_iter().enumerate() {
+        let (rect, radius) = lane(plan, block);
+        let [a, b, c, d] = [rect.min, Vec2::new(rect.max.x, rect.min.y), rect.max, Vec2::new(rect.min.x, rect.max.y)];
+        let path = Path::new(&[a, b, c, d], radius, true);
+        for start in [0.13 * (i % 5) as f32, 0.13 * (i % 5) as f32 + 0.47] {
+            let round = Round { path: path.clone(), start, color: (i + rounds.len()) % cars::COLORS.len() };
+            let meets = |k: u16| {
+                let time = f32::from(k) * 0.1;
+                round.at(time).distance(drive_at(&drive, time)) < CLEAR
+            };
+            if i % 2 == 0 && !(0..=(10.0 * DURATION) as u16).any(meets) {
+                rounds.push(round);
+            }
+        }
+    }
+    rounds
+}
+
+/// The drive: along the avenue to the square, round its north side and on to the west.
+pub fn drive() -> Path {
+    // Off the middle of the avenue, off the middle of the streets.
+    let (avenue, street) = (2.4, 1.7);
+    let corners = [
+        Vec2::new(136.0, -avenue),
+        Vec2::new(56.0 + street, -avenue),
+        Vec2::new(56.0 + street, -58.0 - street),
+        Vec2::new(-56.0 - street, -58.0 - street),
+        Vec2::new(-56.0 - street, -avenue),
+        Vec2::new(-100.0, -avenue),
+    ];
+    Path::new(&corners, 7.0, false)
+}
+
+/// Where the driver is.
+pub fn drive_at(path: &Path, time: f32) -> Vec2 {
+    path.at(path.length() * time / DURATION)
+}
+
+/// Height of the driver's eyes, m.
+pub const EYES: f32 = 1.45;
+
+/// Where the driver is and looks: somewhat ahead, so that turns begin softly.
+pub fn driver(path: &Path, time: f32) -> (Vec3, Vec2) {
+    let here = drive_at(path, time);
+    let length = path.length() * time / DURATION;
+    let mut way = Vec2::ZERO;
+    for k in 1..=6 {
+        way += (path.at(length + 2.0 * k as f32) - here).normalize_or_zero();
+    }
+    (Vec3::new(here.x, EYES, here.y), way.normalize_or(Vec2::NEG_X))
+}
+
+/// Adds a node that follows `place` (where, and the way it heads) and returns it.
+pub fn follow(animation: &mut Animation, place: impl Fn(f32) -> (Vec3, Vec2)) -> usize {
+    let times: Vec<f32> = (0..=KEYS).map(|k| DURATION * k as f32 / KEYS as f32).collect();
+    let (places, turns): (Vec<DVec3>, Vec<DVec4>) = times
+        .iter()
+        .map(|&time| {
+            let (at, way) = place(time);
+            let q = cars::heading(way).as_dquat();
+            (at.as_dvec3(), DVec4::new(q.x, q.y, q.z, q.w))
+        })
+        .unzip();
+    let node = animation.nodes.len();
+    let rest = Local::Trs { translation: places[0], rotation: DQuat::from_vec4(turns[0]), scale: DVec3::ONE };
+    animation.nodes.push(Node { parent: None, base: DAffine3::IDENTITY, rest });
+    let linear = Interpolation::Linear;
+    let moves = Track { interpolation: linear, times: times.clone(), values: places };
+    animation.channels.push(Channel { node, curve: Curve::Translation(moves) });
+    let turns = Track { interpolation: linear, times, values: turns };
+    animation.channels.push(Channel { node, curve: Curve::Rotation(turns) });
+    node
+}
+
+/// Hangs `thing` on `parent`, at a place of its own in the parent's space.
+pub fn attach(animation: &mut Animation, thing: Thing, parent: usize, at: Vec3, turn: Quat) {
+    let rest = Local::Trs { translation: at.as_dvec3(), rotation: turn.as_dquat(), scale: DVec3::ONE };
+    animation.nodes.push(Node { parent: Some(parent), base: DAffine3::IDENTITY, rest });
+    animation.attached.push((thing, animation.nodes.len() - 1));
+}
