@@ -30,7 +30,7 @@ impl EnvironmentSource {
 /// What lights a scene apart from the lights that it brings, and how strong its emission is.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Illumination {
-    /// Point lights of the atrium, or of a file that brings no light and has no environment around it.
+    /// Lights of the atrium or the town, or of a file that brings no light and has no environment around it.
     pub lights: usize,
     pub environment: Option<EnvironmentSource>,
     /// Factor on what materials emit.
@@ -52,6 +52,14 @@ impl SceneSource {
             Some("knot") => SceneSource::Knot,
             Some("town") => SceneSource::Town,
             _ => SceneSource::File(name.into()),
+        }
+    }
+
+    /// Lights where the user does not say how many.
+    pub fn usual_lights(&self) -> usize {
+        match self {
+            SceneSource::Town => town::DEFAULT_LIGHT_COUNT,
+            SceneSource::Atrium | SceneSource::Knot | SceneSource::File(_) => atrium::DEFAULT_LIGHT_COUNT,
         }
     }
 }

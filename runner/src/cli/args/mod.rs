@@ -69,10 +69,11 @@ pub enum Command {
 /// Which scene, lit by what.
 #[derive(Args, Clone, Debug)]
 pub struct SceneArgs {
-    /// A .gltf or .glb file, or a built-in scene: `atrium`, a hall, or `knot`, one object.
+    /// A .gltf or .glb file, or a built-in scene: `atrium`, a hall; `knot`, one object; `town`, a town at night.
     #[arg(default_value = "atrium")]
     pub scene: PathBuf,
-    /// Number of point lights: of the atrium, or scattered in a file that has no light [default: 500].
+    /// Number of lights: point lights of the atrium, lights of all kinds in the town, point lights scattered in a file that has no
+    /// light [default: 500; of the town 20000].
     #[arg(value_parser = lights)]
     pub n_lights: Option<usize>,
     /// The same as N_LIGHTS.
@@ -141,9 +142,6 @@ fn exit_codes() -> String {
     format!("Exit codes:\n  0  done\n{}", Kind::ALL.map(line).join("\n"))
 }
 
-/// Point lights where neither the scene nor the user says how many.
-const DEFAULT_LIGHTS: usize = 500;
-
 impl Cli {
     /// Are the steps of the start to be reported?
     pub fn timings(&self) -> bool {
@@ -173,7 +171,7 @@ impl SceneArgs {
     }
 
     pub fn light_count(&self) -> usize {
-        self.n_lights.or(self.lights).unwrap_or(DEFAULT_LIGHTS)
+        self.n_lights.or(self.lights).unwrap_or_else(|| self.source().usual_lights())
     }
 }
 

@@ -1,12 +1,12 @@
 //! The arcades of both storeys and the entablature between them.
 
-use crate::scene::procedural::kit::Kit;
 use super::materials::{Finish, Part};
 use super::plan::{
     AISLE_CEILING, ARCADE, ARCH, BAY, BAYS, CORNICE, GALLERY_CEILING, HALF_LENGTH, NAVE, SPRING, UPPER_ARCH,
     UPPER_SPRING, bay_centers, column_lines,
 };
 use super::wall::{Opening, arched_wall, opening_frames};
+use crate::scene::procedural::kit::Kit;
 use crate::scene::procedural::shapes::{Outline, Profile, Shape, cuboid, lathe, polygon, sweep};
 use glam::{Affine3A, Mat3, Vec2, Vec3};
 

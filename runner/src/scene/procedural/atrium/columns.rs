@@ -1,8 +1,8 @@
 //! The columns of both storeys.
 
-use crate::scene::procedural::kit::Kit;
 use super::materials::{Finish, Part};
 use super::plan::{BAY, BAYS, GALLERY_FLOOR, HALF_LENGTH, NAVE, RAIL, SPRING, UPPER_SPRING, column_lines};
+use crate::scene::procedural::kit::Kit;
 use crate::scene::procedural::shapes::{Outline, Shape, lathe, patch, square_turned, tube_section};
 use glam::{Affine3A, Quat, Vec2, Vec3};
 use std::f32::consts::{PI, TAU};

@@ -1,8 +1,8 @@
 //! Cloth: tied drapes between the columns and long hangings from the galleries.
 
-use crate::scene::procedural::kit::{Kit, turned};
 use super::materials::{Finish, Part};
 use super::plan::{BAY, NAVE, bay_centers};
+use crate::scene::procedural::kit::{Kit, turned};
 use crate::scene::procedural::shapes::{Shape, patch, sphere, tube};
 use glam::{Affine3A, Vec3};
 use std::f32::consts::{PI, TAU};

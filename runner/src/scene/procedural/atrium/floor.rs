@@ -1,8 +1,8 @@
 //! The inlaid stone floor of the hall.
 
-use crate::scene::procedural::kit::Kit;
 use super::materials::{Finish, Part};
 use super::plan::{BAY, HALF_LENGTH, NAVE, WALL};
+use crate::scene::procedural::kit::Kit;
 use crate::scene::procedural::shapes::{Shape, bevelled_slab, polygon};
 use glam::{Vec2, Vec3};
 use std::f32::consts::TAU;

@@ -1,9 +1,9 @@
 //! What stands in the hall: vases, the fountain, urns, planters.
 
-use crate::scene::procedural::kit::{Kit, turned};
 use super::materials::{Finish, Part};
 use super::plan::{HALF_LENGTH, NAVE, WALL, bay_centers, column_lines};
 use super::walls::{APSE, NICHE_SILL, is_door};
+use crate::scene::procedural::kit::{Kit, turned};
 use crate::scene::procedural::shapes::{Outline, Shape, lathe, patch, planar_tube, sphere, square_turned};
 use glam::{Affine3A, Quat, Vec2, Vec3, Vec3Swizzles};
 use std::f32::consts::{PI, TAU};

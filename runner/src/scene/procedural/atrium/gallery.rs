@@ -1,8 +1,8 @@
 //! Galleries over the aisles: balustrades, floors and timber ceilings.
 
-use crate::scene::procedural::kit::Kit;
 use super::materials::{Finish, Part};
 use super::plan::{AISLE_CEILING, BAY, BAYS, GALLERY_CEILING, GALLERY_FLOOR, HALF_LENGTH, NAVE, RAIL, WALL};
+use crate::scene::procedural::kit::Kit;
 use crate::scene::procedural::shapes::{
     Outline, Profile, Shape, bevelled_slab, cuboid, lathe, polygon, sweep,
 };

@@ -1,13 +1,13 @@
 //! The lamps: where they hang, what they look like, and where their flames are.
 
 use super::furnishings::Obstacle;
-use crate::scene::procedural::kit::{Kit, turned};
 use super::materials::{Finish, Part};
 use super::plan::{
     ARCH, BAY, BAYS, CORNICE, GALLERY_CEILING, HALF_LENGTH, NAVE, SPRING, VAULT_ANGLE, WALL, bay_centers,
     column_lines,
 };
 use super::vault::point_on_vault;
+use crate::scene::procedural::kit::{Kit, turned};
 use crate::scene::procedural::shapes::{Outline, Shape, lathe, planar_tube, sphere, tube};
 use glam::{Affine3A, Mat3, Quat, Vec2, Vec3, Vec3Swizzles};
 use std::f32::consts::{PI, TAU};

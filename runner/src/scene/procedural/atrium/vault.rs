@@ -1,8 +1,8 @@
 //! The coffered barrel vault over the nave and its ribs.
 
-use crate::scene::procedural::kit::Kit;
 use super::materials::{Finish, Part};
 use super::plan::{BAY, BAYS, HALF_LENGTH, VAULT_ANGLE, VAULT_CROWN, VAULT_RADIUS, bay_centers};
+use crate::scene::procedural::kit::Kit;
 use crate::scene::procedural::shapes::{Outline, Shape, lathe, patch, sweep};
 use glam::{Affine3A, Mat3, Quat, Vec3};
 use std::f32::consts::PI;

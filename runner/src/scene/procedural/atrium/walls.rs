@@ -1,12 +1,12 @@
 //! The walls behind the aisles and galleries and at both ends, with niches, doors and windows.
 
-use crate::scene::procedural::kit::{Kit, turned};
 use super::materials::{Finish, Part};
 use super::plan::{
     AISLE_CEILING, BAY, BAYS, GALLERY_CEILING, GALLERY_FLOOR, HALF_LENGTH, NAVE, VAULT_CROWN, WALL,
     bay_centers,
 };
 use super::wall::{MOULDING, Opening, arched_wall, niche, panel, reveal, surround};
+use crate::scene::procedural::kit::{Kit, turned};
 use crate::scene::procedural::shapes::{
     Outline, Profile, Shape, bevelled_cuboid, cuboid, lathe, polygon, sphere, sweep, tube,
 };

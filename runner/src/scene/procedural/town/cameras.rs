@@ -8,9 +8,9 @@ use glam::Vec3;
 /// The first is the one to start with; the last one moves.
 pub fn cameras(plan: &Plan) -> Vec<SceneCamera> {
     let mut cameras = vec![
-        camera("street", Vec3::new(98.0, 1.7, 1.2), Vec3::new(0.0, 5.2, -0.5), 50.0),
-        camera("roofs", Vec3::new(-118.0, 41.0, 128.0), Vec3::new(60.0, 8.0, -95.0), 52.0),
-        camera("square", Vec3::new(27.5, KERB + 1.7, 42.0), Vec3::new(-3.0, 8.5, -8.0), 58.0),
+        camera("street", Vec3::new(117.4, 1.7, 107.0), Vec3::new(116.2, 4.9, 20.0), 54.0),
+        camera("roofs", Vec3::new(-118.0, 38.0, 128.0), Vec3::new(60.0, 8.0, -95.0), 50.0),
+        camera("square", Vec3::new(9.5, KERB + 1.75, 43.5), Vec3::new(-3.0, 9.0, 0.0), 60.0),
     ];
     if let Some(place) = room::transform(plan) {
         let [position, target] = room::CAMERA.map(|p| place.transform_point3(p));

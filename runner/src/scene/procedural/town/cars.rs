@@ -19,7 +19,8 @@ pub fn mesh(color: Finish, lit: bool) -> Part {
     let mut part = Part::of(color, bevelled_cuboid(Vec3::new(-w, 0.28, -l), Vec3::new(w, 0.86, l), 0.1));
     let sill = 0.86;
     let foot = [(-0.8, -0.85), (0.8, -0.85), (0.8, 1.85), (-0.8, 1.85)].map(|(x, z)| Vec3::new(x, sill, z));
-    let head = [(-0.62, -0.05), (0.62, -0.05), (0.62, 1.35), (-0.62, 1.35)].map(|(x, z)| Vec3::new(x, 1.42, z));
+    let head =
+        [(-0.62, -0.05), (0.62, -0.05), (0.62, 1.35), (-0.62, 1.35)].map(|(x, z)| Vec3::new(x, 1.42, z));
     let ways = [Vec3::NEG_Z, Vec3::X, Vec3::Z, Vec3::NEG_X];
     for i in 0..4 {
         let j = (i + 1) % 4;
@@ -38,9 +39,12 @@ pub fn mesh(color: Finish, lit: bool) -> Part {
         part.add(Finish::Tyre, &lathe(&tyre, 12).moved(place));
         part.add(Finish::Steel, &lathe(&hub, 8).moved(place));
     }
-    let (white, red) = if lit { (Finish::WhiteBulb, Finish::TailLens) } else { (Finish::Steel, Finish::RedCloth) };
+    let (white, red) =
+        if lit { (Finish::WhiteBulb, Finish::TailLens) } else { (Finish::Steel, Finish::RedCloth) };
     for x in [-0.62f32, 0.62] {
-        let lens = |z: f32, y: f32| cuboid(Vec3::new(x - 0.16, y - 0.07, z - 0.03), Vec3::new(x + 0.16, y + 0.07, z + 0.03));
+        let lens = |z: f32, y: f32| {
+            cuboid(Vec3::new(x - 0.16, y - 0.07, z - 0.03), Vec3::new(x + 0.16, y + 0.07, z + 0.03))
+        };
         part.add(white, &lens(-l, 0.64));
         part.add(red, &lens(l, 0.7));
     }
@@ -50,7 +54,11 @@ pub fn mesh(color: Finish, lit: bool) -> Part {
 /// Where the lamps of a car are and the way they shine, in its space.
 pub fn lamps() -> [(Vec3, Quat, SpotLight); 4] {
     let spot = |position: Vec3, turn: Quat, intensity: Vec3, [inner_angle, outer_angle]: [f32; 2]| {
-        (position, turn, SpotLight { position, axis: turn * Vec3::NEG_Z, intensity, inner_angle, outer_angle })
+        (
+            position,
+            turn,
+            SpotLight { position, axis: turn * Vec3::NEG_Z, intensity, inner_angle, outer_angle },
+        )
     };
     let head = |x: f32| {
         let down = Quat::from_rotation_x(-0.075);
@@ -96,7 +104,8 @@ pub fn parked(plan: &Plan) -> Vec<(usize, Affine3A)> {
             for k in 0..count {
                 let at = 8.0 + (length - 16.0) * (k as f32 + 0.5) / count as f32 + dice.within(-0.4..0.4);
                 if dice.chance(0.42) {
-                    let middle = left + at * along + (0.25 + HALF.y + dice.within(0.0..0.12)) * side.outward();
+                    let middle =
+                        left + at * along + (0.25 + HALF.y + dice.within(0.0..0.12)) * side.outward();
                     cars.push((dice.below(COLORS.len()), standing(middle, -along)));
                 }
             }

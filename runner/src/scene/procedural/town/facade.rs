@@ -163,11 +163,14 @@ pub fn pierce(part: &mut Part, face: &Face, hole: &Opening, finish: Finish, thic
 pub fn alcove(min: Vec3, max: Vec3) -> [Shape; 3] {
     let at = |x: f32, y: f32, z: f32| Vec3::new(x, y, z);
     let (a, b) = (min, max);
-    let floor = polygon(&[at(a.x, a.y, a.z), at(a.x, a.y, b.z), at(b.x, a.y, b.z), at(b.x, a.y, a.z)], Vec3::Y);
+    let floor =
+        polygon(&[at(a.x, a.y, a.z), at(a.x, a.y, b.z), at(b.x, a.y, b.z), at(b.x, a.y, a.z)], Vec3::Y);
     let ceiling =
         polygon(&[at(a.x, b.y, a.z), at(a.x, b.y, b.z), at(b.x, b.y, b.z), at(b.x, b.y, a.z)], Vec3::NEG_Y);
-    let back = polygon(&[at(a.x, a.y, a.z), at(b.x, a.y, a.z), at(b.x, b.y, a.z), at(a.x, b.y, a.z)], Vec3::Z);
-    let left = polygon(&[at(a.x, a.y, a.z), at(a.x, a.y, b.z), at(a.x, b.y, b.z), at(a.x, b.y, a.z)], Vec3::X);
+    let back =
+        polygon(&[at(a.x, a.y, a.z), at(b.x, a.y, a.z), at(b.x, b.y, a.z), at(a.x, b.y, a.z)], Vec3::Z);
+    let left =
+        polygon(&[at(a.x, a.y, a.z), at(a.x, a.y, b.z), at(a.x, b.y, b.z), at(a.x, b.y, a.z)], Vec3::X);
     let right =
         polygon(&[at(b.x, a.y, a.z), at(b.x, a.y, b.z), at(b.x, b.y, b.z), at(b.x, b.y, a.z)], Vec3::NEG_X);
     [floor, ceiling, back.with(left).with(right)]

@@ -69,7 +69,10 @@ fn strings(plan: &Plan) -> Vec<(Rank, Affine3A)> {
             let at = center + if segment.along_x { Vec2::new(along, 0.0) } else { Vec2::new(0.0, along) };
             let turn = if segment.along_x { 0.25 * TAU } else { 0.0 };
             let place = Vec3::new(at.x, KERB, at.y);
-            strings.push((segment.rank, Affine3A::from_rotation_translation(Quat::from_rotation_y(turn), place)));
+            strings.push((
+                segment.rank,
+                Affine3A::from_rotation_translation(Quat::from_rotation_y(turn), place),
+            ));
         }
     }
     strings
@@ -133,7 +136,6 @@ fn bulb_finish(garland: &Garland, i: usize) -> Finish {
     const COLORS: [Finish; 4] = [Finish::RedBulb, Finish::Bulb, Finish::GreenBulb, Finish::BlueBulb];
     match garland {
         Garland::Fir(row) if row % 2 == 1 => COLORS[i % 4],
-        Garland::Over(Rank::Lane, _) => COLORS[i % 4],
         _ => Finish::Bulb,
     }
 }

@@ -24,7 +24,13 @@ pub struct Glows {
 
 impl Glows {
     /// Makes them; `shop` shines at every level.
-    pub fn new(kit: &mut Kit, name: &str, panes: &[Pane], shop: Option<&Part>, shares: [f32; LEVELS]) -> Self {
+    pub fn new(
+        kit: &mut Kit,
+        name: &str,
+        panes: &[Pane],
+        shop: Option<&Part>,
+        shares: [f32; LEVELS],
+    ) -> Self {
         let mut glows = Glows { meshes: [[0; VARIANTS]; LEVELS], lights: [[0; VARIANTS]; LEVELS] };
         for (level, share) in shares.into_iter().enumerate() {
             for variant in 0..VARIANTS {
@@ -95,7 +101,8 @@ pub fn levels(glows: &[&Glows], budget: usize) -> Vec<Option<usize>> {
     let mut left = budget;
     for (level, limit) in [(0, budget / 2), (1, 0), (2, 0)] {
         for (i, glow) in glows.iter().enumerate() {
-            let more = glow.lights(level, i) - if level > 0 { glow.lights(level - 1, i).min(glow.lights(level, i)) } else { 0 };
+            let more = glow.lights(level, i)
+                - if level > 0 { glow.lights(level - 1, i).min(glow.lights(level, i)) } else { 0 };
             let follows = if level == 0 { levels[i].is_none() } else { levels[i] == Some(level - 1) };
             if follows && left >= more + limit {
                 left -= more;
@@ -119,12 +126,6 @@ fn fill(levels: &mut [Option<usize>], glows: &[&Glows], left: &mut usize) {
             *level = Some(0);
         }
     }
-}
-
-/// Lights of buildings at these levels.
-pub fn count(glows: &[&Glows], levels: &[Option<usize>]) -> usize {
-    let of = |(i, level): (usize, &Option<usize>)| level.map_or(0, |level| glows[i].lights(level, i));
-    levels.iter().enumerate().map(of).sum()
 }
 
 /// Triangles of a mesh that shine.

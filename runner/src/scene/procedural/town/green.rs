@@ -109,7 +109,8 @@ fn spray(place: Vec3, normal: Vec3, size: f32) -> Shape {
     let (u, v) = normal.any_orthonormal_pair();
     let v = if u.cross(v).dot(normal) < 0.0 { -v } else { v };
     let droop = -0.35 * size * normal;
-    let corners = [place + u * size + droop, place + 0.7 * v * size, place - u * size + droop, place - 0.7 * v * size];
+    let corners =
+        [place + u * size + droop, place + 0.7 * v * size, place - u * size + droop, place - 0.7 * v * size];
     let mut shape = Shape::default();
     for triangle in [[0, 1, 3], [1, 2, 3]] {
         let [a, b, c] = triangle.map(|i: usize| corners[i]);

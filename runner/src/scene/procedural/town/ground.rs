@@ -1,13 +1,15 @@
 //! Roads with their paint, pavements, yards and the land around the town.
 
 use super::materials::{Finish, Part};
-use super::plan::{HALF, KERB, Plan, Rank, Rect, SIDES, Segment, Usage};
+use super::plan::{EDGE, HALF, KERB, Plan, Rank, Rect, SIDES, Segment, Usage};
 use crate::scene::procedural::kit::Kit;
 use crate::scene::procedural::shapes::{Shape, cuboid, polygon};
 use glam::{Vec2, Vec3};
 
 /// Meshes of the ground along each axis: small ones suit ray tracing.
 const PARTS: usize = 6;
+/// Side of the square within the outermost kerbs, m.
+const LAND: f32 = 2.0 * EDGE;
 /// Width of the stripes of crossings and of the lines between lanes, m.
 const STRIPE: f32 = 0.5;
 const LINE: f32 = 0.14;
@@ -39,7 +41,9 @@ pub fn add(kit: &mut Kit, plan: &Plan) {
         }
     }
     parts.into_iter().enumerate().for_each(|(i, part)| kit.single(&format!("ground-{i}"), part));
-    kit.single("land", land());
+    let (piece, middles) = land();
+    let mesh = kit.mesh("land", piece);
+    middles.into_iter().for_each(|middle| kit.place_at(mesh, middle));
 }
 
 /// Seen from above.
@@ -71,9 +75,18 @@ fn paths(part: &mut Part, plot: &Rect) {
     let lift = |min: Vec2, max: Vec2| {
         cuboid(Vec3::new(min.x, KERB - 0.05, min.y), Vec3::new(max.x, KERB + 0.03, max.y))
     };
-    part.add(Finish::Gravel, &lift(Vec2::new(plot.min.x, center.y - 1.5), Vec2::new(plot.max.x, center.y + 1.5)));
-    part.add(Finish::Gravel, &lift(Vec2::new(center.x - 1.5, plot.min.y), Vec2::new(center.x + 1.5, center.y - 1.5)));
-    part.add(Finish::Gravel, &lift(Vec2::new(center.x - 1.5, center.y + 1.5), Vec2::new(center.x + 1.5, plot.max.y)));
+    part.add(
+        Finish::Gravel,
+        &lift(Vec2::new(plot.min.x, center.y - 1.5), Vec2::new(plot.max.x, center.y + 1.5)),
+    );
+    part.add(
+        Finish::Gravel,
+        &lift(Vec2::new(center.x - 1.5, plot.min.y), Vec2::new(center.x + 1.5, center.y - 1.5)),
+    );
+    part.add(
+        Finish::Gravel,
+        &lift(Vec2::new(center.x - 1.5, center.y + 1.5), Vec2::new(center.x + 1.5, plot.max.y)),
+    );
 }
 
 /// A segment: near the town's middle and on avenues with paint, as strips beside each other, none on top.
@@ -118,16 +131,10 @@ fn road(part: &mut Part, segment: &Segment) {
     piece([from, to], [left, width], false);
 }
 
-/// Grass from the outermost kerb on.
-fn land() -> Part {
-    let (near, far) = (485.0 + 0.5 * Rank::Avenue.road(), 1400.0);
-    let at = |x: f32, z: f32| Vec3::new(x, 0.0, z);
-    let ring = |r: f32| [at(-r, -r), at(-r, r), at(r, r), at(r, -r)];
-    let (a, b) = (ring(far), ring(near));
-    let mut shape = Shape::default();
-    for i in 0..4 {
-        let j = (i + 1) % 4;
-        shape.append(&polygon(&[a[i], a[j], b[j], b[i]], Vec3::Y));
-    }
-    Part::of(Finish::Grass, shape)
+/// Grass around the town in square pieces, none of which covers the town: (mesh, middle of each).
+fn land() -> (Part, Vec<Vec3>) {
+    let piece = flat(&Rect::around(Vec2::ZERO, Vec2::splat(LAND)), 0.0);
+    let middles = (-1..=1).flat_map(|i| (-1..=1).map(move |k| Vec3::new(i as f32, 0.0, k as f32) * LAND));
+    let around: Vec<Vec3> = middles.filter(|middle| *middle != Vec3::ZERO).collect();
+    (Part::of(Finish::Grass, piece), around)
 }

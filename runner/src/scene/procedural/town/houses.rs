@@ -3,6 +3,7 @@
 use super::dice::Dice;
 use super::facade::{Face, Opening, Pane, Window, alcove, door, glaze, pierce, wall, windows};
 use super::materials::{Finish, Part};
+use super::roofs::{self, Roof};
 use crate::scene::Bounds;
 use crate::scene::procedural::shapes::{cuboid, polygon};
 use glam::{Vec2, Vec3};
@@ -17,21 +18,14 @@ const WALL: f32 = 0.3;
 
 /// What a house is like.
 #[derive(Clone, Copy, Debug)]
-struct Style {
-    wall: Finish,
+pub struct Style {
+    pub wall: Finish,
     /// Ground floor and cornice.
-    base: Finish,
-    roof: Roof,
+    pub base: Finish,
+    pub roof: Roof,
     window: Window,
     /// French doors with a railing before some windows.
     balconies: bool,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Roof {
-    Flat,
-    Gable(Finish),
-    Mansard(Finish),
 }
 
 /// A house as a mesh, and what the rest of the town has to know of it.
@@ -61,12 +55,36 @@ const STYLES: [Style; 9] = {
     let tiles = Roof::Gable(Finish::Tiles);
     [
         Style { wall: Finish::Cream, base: Finish::Stone, roof: slate, window: tall, balconies: true },
-        Style { wall: Finish::RedBrick, base: Finish::Stone, roof: Roof::Flat, window: tall, balconies: false },
+        Style {
+            wall: Finish::RedBrick,
+            base: Finish::Stone,
+            roof: Roof::Flat,
+            window: tall,
+            balconies: false,
+        },
         Style { wall: Finish::Ochre, base: Finish::Stone, roof: tiles, window: tall, balconies: false },
-        Style { wall: Finish::White, base: Finish::Concrete, roof: Roof::Flat, window: plain, balconies: true },
+        Style {
+            wall: Finish::White,
+            base: Finish::Concrete,
+            roof: Roof::Flat,
+            window: plain,
+            balconies: true,
+        },
         Style { wall: Finish::Rose, base: Finish::Stone, roof: tiles, window: plain, balconies: false },
-        Style { wall: Finish::DarkBrick, base: Finish::Concrete, roof: Roof::Flat, window: wide, balconies: false },
-        Style { wall: Finish::Concrete, base: Finish::Concrete, roof: Roof::Flat, window: wide, balconies: true },
+        Style {
+            wall: Finish::DarkBrick,
+            base: Finish::Concrete,
+            roof: Roof::Flat,
+            window: wide,
+            balconies: false,
+        },
+        Style {
+            wall: Finish::Concrete,
+            base: Finish::Concrete,
+            roof: Roof::Flat,
+            window: wide,
+            balconies: true,
+        },
         Style { wall: Finish::Grey, base: Finish::Stone, roof: slate, window: tall, balconies: true },
         Style { wall: Finish::Cream, base: Finish::RedBrick, roof: tiles, window: plain, balconies: false },
     ]
@@ -123,7 +141,7 @@ fn house(style: &Style, storeys: usize, bays: usize, corner: bool, number: usize
     house.part.add(style.wall, &wall(&left, DEPTH, [0.0, eaves], &[]));
     storey_walls(&mut house, style, &back, bays, [0, storeys], ground, false);
     cornice(&mut house, style, &front, width, ground, corner);
-    roof(&mut house, style, width, &mut dice);
+    roofs::add(&mut house, style, width, &mut dice);
     house
 }
 
@@ -173,9 +191,19 @@ fn furnish(house: &mut House, [l, r]: [f32; 2], dice: &mut Dice) {
     part.add(Finish::White, &ceiling);
     part.add(paint, &walls);
     // Shelves with goods at the back, a counter or a display at the window.
-    let goods = [Finish::RedCloth, Finish::GreenCloth, Finish::BlueCloth, Finish::Canvas, Finish::Bronze, Finish::White];
+    let goods = [
+        Finish::RedCloth,
+        Finish::GreenCloth,
+        Finish::BlueCloth,
+        Finish::Canvas,
+        Finish::Bronze,
+        Finish::White,
+    ];
     for level in [0.8, 1.4, 2.0] {
-        part.add(Finish::Wood, &cuboid(Vec3::new(l + 0.1, level, -3.18), Vec3::new(r - 0.1, level + 0.04, -2.8)));
+        part.add(
+            Finish::Wood,
+            &cuboid(Vec3::new(l + 0.1, level, -3.18), Vec3::new(r - 0.1, level + 0.04, -2.8)),
+        );
         let mut x = l + 0.2;
         while x < r - 0.6 {
             let size = Vec3::new(dice.within(0.18..0.5), dice.within(0.15..0.42), 0.25);
@@ -247,7 +275,8 @@ fn storey_walls(
         let holes = windows(bays, BAY, floor + 0.9, size);
         let finish = if storey == 0 { style.base } else { style.wall };
         house.part.add(finish, &wall(face, width, [floor, next], &holes));
-        let window = Window { sill: style.window.sill && rich, cross: style.window.cross && rich, ..style.window };
+        let window =
+            Window { sill: style.window.sill && rich, cross: style.window.cross && rich, ..style.window };
         for (i, hole) in holes.iter().enumerate() {
             house.panes.push(glaze(&mut house.part, face, hole, finish, &window));
             if style.balconies && rich && storey > 0 && (i + storey) % 3 == 1 {
@@ -285,79 +314,4 @@ fn cornice(house: &mut House, style: &Style, front: &Face, width: f32, ground: f
     let eaves = house.eaves;
     band([eaves - 0.38, eaves - 0.16], 0.2);
     band([eaves - 0.16, eaves], 0.38);
-}
-
-fn roof(house: &mut House, style: &Style, width: f32, dice: &mut Dice) {
-    let (half, eaves) = (0.5 * width, house.eaves);
-    let at = |x: f32, y: f32, z: f32| Vec3::new(x, eaves + y, z);
-    let part = &mut house.part;
-    let mut chimney = |part: &mut Part, foot: f32, top: f32, z: f32| {
-        let x = dice.within(-0.6..0.6) * half;
-        let (min, max) = (Vec3::new(x - 0.45, eaves + foot, z - 0.3), Vec3::new(x + 0.45, eaves + top, z + 0.3));
-        part.add(Finish::RedBrick, &cuboid(min, max));
-        eaves + top
-    };
-    match style.roof {
-        Roof::Flat => {
-            let deck = [at(-half, 0.0, 0.0), at(half, 0.0, 0.0), at(half, 0.0, -DEPTH), at(-half, 0.0, -DEPTH)];
-            part.add(Finish::Gravel, &polygon(&deck, Vec3::Y));
-            let (t, h) = (0.25, 0.8);
-            for [min, max] in [
-                [at(-half, 0.0, -t), at(half, h, 0.0)],
-                [at(-half, 0.0, -DEPTH), at(half, h, t - DEPTH)],
-                [at(-half, 0.0, t - DEPTH), at(t - half, h, -t)],
-                [at(half - t, 0.0, t - DEPTH), at(half, h, -t)],
-            ] {
-                part.add(style.wall, &cuboid(min, max));
-            }
-            let hut = Vec3::new(dice.within(-0.4..0.4) * half, eaves, dice.within(-8.0..-4.5));
-            part.add(Finish::Concrete, &cuboid(hut - Vec3::new(1.6, 0.0, 1.3), hut + Vec3::new(1.6, 2.4, 1.3)));
-            for i in 0..1 + dice.below(3) {
-                let foot = Vec3::new(dice.within(-0.8..0.8) * half, eaves, -2.0 - 3.0 * i as f32);
-                let size = Vec3::new(0.5, dice.within(0.6..1.1), 0.5);
-                part.add(Finish::Steel, &cuboid(foot - Vec3::new(0.5, 0.0, 0.5), foot + size));
-            }
-            house.top = eaves + 2.4;
-        }
-        Roof::Gable(finish) => {
-            let (rise, over, middle) = (4.2, 0.35, -0.5 * DEPTH);
-            let slope = rise / (0.5 * DEPTH);
-            let low = -slope * over;
-            let front = [at(-half, low, over), at(half, low, over), at(half, rise, middle), at(-half, rise, middle)];
-            let rear = [
-                at(half, low, -DEPTH - over),
-                at(-half, low, -DEPTH - over),
-                at(-half, rise, middle),
-                at(half, rise, middle),
-            ];
-            let sheet = polygon(&front, Vec3::Y + Vec3::Z).with(polygon(&rear, Vec3::Y - Vec3::Z));
-            part.add(finish, &sheet.clone().with(sheet.shifted(Vec3::new(0.0, -0.02, 0.0)).flipped()));
-            for (x, out) in [(half, Vec3::X), (-half, Vec3::NEG_X)] {
-                let gable = [at(x, 0.0, 0.0), at(x, 0.0, -DEPTH), at(x, rise, middle)];
-                part.add(style.wall, &polygon(&gable, out));
-            }
-            house.top = chimney(part, rise - 2.5, rise + 0.9, middle + 1.6);
-        }
-        Roof::Mansard(finish) => {
-            let (rise, set) = (3.0, 1.2);
-            let foot = [at(-half, 0.0, 0.0), at(half, 0.0, 0.0), at(half, 0.0, -DEPTH), at(-half, 0.0, -DEPTH)];
-            let (f, r) = (-set, set - DEPTH);
-            let head = [at(-half, rise, f), at(half, rise, f), at(half, rise, r), at(-half, rise, r)];
-            part.add(finish, &polygon(&[foot[0], foot[1], head[1], head[0]], Vec3::Z));
-            part.add(finish, &polygon(&[foot[2], foot[3], head[3], head[2]], Vec3::NEG_Z));
-            part.add(style.wall, &polygon(&[foot[1], foot[2], head[2], head[1]], Vec3::X));
-            part.add(style.wall, &polygon(&[foot[3], foot[0], head[0], head[3]], Vec3::NEG_X));
-            part.add(Finish::Gravel, &polygon(&head, Vec3::Y));
-            // Dormers.
-            for i in 0..house.bays {
-                let x = (i as f32 + 0.5) * BAY - half;
-                let face = Face::new(at(x - 0.75, 0.0, -0.12), Vec3::X);
-                part.add(style.base, &face.block([0.0, 1.5], [0.0, 2.3], [0.0, 1.2]));
-                let hole = Opening { u: [0.3, 1.2], v: [0.5, 1.9] };
-                part.add(Finish::Glass, &face.quad(hole.u, hole.v, -0.03));
-                house.panes.push(Pane::of(face, &hole, -0.03));
-            }
-            house.top = chimney(part, rise - 0.5, rise + 1.5, -0.5 * DEPTH);
-        }
-    }
 }

@@ -113,7 +113,8 @@ pub fn mesh(kind: Kind, lit: bool) -> Part {
                 .to(0.09, 3.8)
                 .to(0.0, 3.8)
                 .open();
-            let cap = Outline::from(0.27, 4.42).to(0.28, 4.46).to(0.1, 4.66).to(0.03, 4.7).to(0.0, 4.82).open();
+            let cap =
+                Outline::from(0.27, 4.42).to(0.28, 4.46).to(0.1, 4.66).to(0.03, 4.7).to(0.0, 4.82).open();
             let under = Outline::from(0.0, 4.40).to(0.27, 4.42).open();
             let mut part = Part::of(Finish::Iron, lathe(&post, 8));
             part.add(Finish::Iron, &lathe(&cap, 6).with(lathe(&under, 6)));
@@ -125,7 +126,8 @@ pub fn mesh(kind: Kind, lit: bool) -> Part {
             part.with(glass, lathe(&bulb, 8))
         }
         Kind::Mast => {
-            let post = Outline::from(0.11, 0.0).to(0.11, 0.9).to(0.08, 1.0).to(0.05, 6.15).to(0.0, 6.15).open();
+            let post =
+                Outline::from(0.11, 0.0).to(0.11, 0.9).to(0.08, 1.0).to(0.05, 6.15).to(0.0, 6.15).open();
             let mut part = Part::of(Finish::Steel, lathe(&post, 8));
             part.add(Finish::Steel, &tube(Vec3::new(0.0, 6.1, 0.0), Vec3::new(0.0, 6.22, 1.3), 0.035, 6));
             part.add(Finish::Steel, &cuboid(Vec3::new(-0.16, 6.16, 1.2), Vec3::new(0.16, 6.28, 1.9)));

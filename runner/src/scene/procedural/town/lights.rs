@@ -23,7 +23,7 @@ use glam::{Affine3A, Mat3, Quat, Vec3};
 
 /// Floodlights: cd, half-angles.
 const FLOOD: f32 = 2e5;
-const FLOODED: [f32; 2] = [0.35, 0.75];
+const FLOODED: [f32; 2] = [0.2, 0.55];
 
 /// What stands in the town.
 pub struct Town {
@@ -66,7 +66,8 @@ impl Town {
             kit.place(mesh, place);
         }
         let hall = square::add(kit);
-        let parked = cars::COLORS.map(|color| kit.mesh(&format!("parked-{color:?}"), cars::mesh(color, false)));
+        let parked =
+            cars::COLORS.map(|color| kit.mesh(&format!("parked-{color:?}"), cars::mesh(color, false)));
         for (color, place) in cars::parked(&plan) {
             kit.place(parked[color], place);
         }
@@ -203,7 +204,11 @@ fn posters(kit: &mut Kit, town: &Town, most: usize, emissive: &mut Emissive) {
     // Each of them once, to see what it costs.
     let alone = |mesh: usize| {
         let mut scene = SceneDescription { instances: Vec::new(), ..kit.scene.clone() };
-        scene.instances.push(crate::scene::Instance { name: String::new(), mesh, transform: Affine3A::IDENTITY });
+        scene.instances.push(crate::scene::Instance {
+            name: String::new(),
+            mesh,
+            transform: Affine3A::IDENTITY,
+        });
         emissive_lights(&scene)
     };
     let costs: Vec<usize> = meshes.iter().map(|&mesh| alone(mesh)).collect();
@@ -220,7 +225,9 @@ fn posters(kit: &mut Kit, town: &Town, most: usize, emissive: &mut Emissive) {
 
 fn windows(kit: &mut Kit, town: &Town, budget: usize) {
     let houses: Vec<Glows> = (town.designs.iter().enumerate())
-        .map(|(i, house)| Glows::new(kit, &format!("house-{i}"), &house.panes, house.shop.as_ref(), glow::OF_HOUSES))
+        .map(|(i, house)| {
+            Glows::new(kit, &format!("house-{i}"), &house.panes, house.shop.as_ref(), glow::OF_HOUSES)
+        })
         .collect();
     let towers: Vec<Glows> = (town.towers.iter().enumerate())
         .map(|(i, tower)| Glows::new(kit, &format!("tower-{i}"), &tower.panes, None, glow::OF_TOWERS))
@@ -229,7 +236,9 @@ fn windows(kit: &mut Kit, town: &Town, budget: usize) {
     let mut buildings: Vec<(f32, &Glows, Affine3A)> = Vec::new();
     buildings.push((0.0, &hall, Affine3A::from_translation(Vec3::Y * KERB)));
     buildings.extend(town.lots.iter().map(|lot| (lot.distance(), &houses[lot.design], lot.transform)));
-    buildings.extend(town.sites.iter().map(|site| (site.rect.center().length(), &towers[site.design], site.transform)));
+    buildings.extend(
+        town.sites.iter().map(|site| (site.rect.center().length(), &towers[site.design], site.transform)),
+    );
     buildings.sort_by(|a, b| a.0.total_cmp(&b.0));
     let glows: Vec<&Glows> = buildings.iter().map(|building| building.1).collect();
     let levels = glow::levels(&glows, budget);

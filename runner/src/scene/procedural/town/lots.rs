@@ -2,10 +2,9 @@
 
 use super::dice::Dice;
 use super::houses::{BAY, DEPTH, House};
-use super::plan::{Block, KERB, Plan, Rect, SIDES, Side, Usage};
+use super::plan::{Block, KERB, Plan, SIDES, Side, Usage};
 use super::room;
-use crate::scene::Bounds;
-use glam::{Affine3A, Mat3, Quat, Vec2, Vec3};
+use glam::{Affine3A, Quat, Vec2, Vec3};
 
 /// A house of a design in its place.
 #[derive(Clone, Debug)]
@@ -15,15 +14,6 @@ pub struct Lot {
     pub side: Side,
     /// Of the house's space into the world: turned by quarters, stretched along its axes, at some ends mirrored.
     pub transform: Affine3A,
-}
-
-/// Space that something fills.
-#[derive(Clone, Debug)]
-pub struct Solid {
-    to_local: Affine3A,
-    outside: Bounds,
-    /// Rooms in it that are open.
-    hollows: Vec<Bounds>,
 }
 
 /// Between the backs of rows that share a block.
@@ -106,7 +96,7 @@ fn quarter(side: Side) -> Quat {
     }
 }
 
-fn width(house: &House) -> f32 {
+pub fn width(house: &House) -> f32 {
     house.bays as f32 * BAY
 }
 
@@ -142,43 +132,8 @@ fn choose(block: &Block, designs: &[House], length: f32, corners: [bool; 2], dic
 }
 
 impl Lot {
-    pub fn solid(&self, house: &House) -> Solid {
-        let half = 0.5 * width(house);
-        // A little more than the walls' recesses and less than their faces.
-        let outside = Bounds { min: Vec3::new(-half, 0.0, -DEPTH), max: Vec3::new(half, house.top, 0.0) };
-        Solid::new(self.transform, outside, house.hollows.clone())
-    }
-
-    /// Out of the front, unit.
-    pub fn outward(&self) -> Vec3 {
-        Vec3::new(self.side.outward().x, 0.0, self.side.outward().y)
-    }
-
     /// How far the front's middle is from that of the town.
     pub fn distance(&self) -> f32 {
         self.transform.translation.length()
-    }
-}
-
-impl Solid {
-    pub fn new(to_world: Affine3A, outside: Bounds, hollows: Vec<Bounds>) -> Self {
-        Solid { to_local: to_world.inverse(), outside, hollows }
-    }
-
-    /// A box between a rectangle's place on the ground and a height.
-    pub fn block(rect: Rect, height: f32) -> Self {
-        let min = Vec3::new(rect.min.x, 0.0, rect.min.y);
-        let outside = Bounds { min, max: Vec3::new(rect.max.x, height, rect.max.y) };
-        Solid::new(Affine3A::IDENTITY, outside, Vec::new())
-    }
-
-    /// Is `p` in it, at least `depth` (m) under its surface?
-    pub fn contains(&self, p: Vec3, depth: f32) -> bool {
-        let local = self.to_local.transform_point3(p);
-        // Along the axes, as transforms keep right angles.
-        let linear = Mat3::from(self.to_local.matrix3);
-        let shrink = depth * (linear.x_axis.abs() + linear.y_axis.abs() + linear.z_axis.abs());
-        let within = |b: &Bounds, by: Vec3| local.cmpgt(b.min + by).all() && local.cmplt(b.max - by).all();
-        within(&self.outside, shrink) && !self.hollows.iter().any(|hollow| within(hollow, -shrink))
     }
 }

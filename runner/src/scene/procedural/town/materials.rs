@@ -1,8 +1,8 @@
 //! What the town is made of.
 
 use super::textures::{ASPHALT, ASPHALT_GLOSS, BRICK, CONCRETE, PAVING, PLASTER, TILES};
-use crate::scene::procedural::kit;
 use crate::scene::Material;
+use crate::scene::procedural::kit;
 use glam::{Vec3, Vec4};
 
 /// A material of the town; its number is the index into `SceneDescription::materials`.
@@ -77,7 +77,7 @@ type Entry = (Finish, [f32; 3], f32, f32);
 
 /// What reflects.
 const SOLID: [Entry; 41] = [
-    (Finish::Asphalt, [0.085, 0.085, 0.09], 1.0, 0.0),
+    (Finish::Asphalt, [0.15, 0.15, 0.155], 1.0, 0.0),
     (Finish::Paint, [0.62, 0.62, 0.60], 0.55, 0.0),
     (Finish::Kerb, [0.36, 0.35, 0.33], 0.75, 0.0),
     (Finish::Paving, [0.26, 0.25, 0.24], 0.62, 0.0),

@@ -14,8 +14,11 @@ mod lights;
 mod lots;
 mod materials;
 mod plan;
+mod roofs;
 mod room;
 mod signs;
+#[cfg(test)]
+mod solids;
 mod square;
 mod textures;
 mod towers;

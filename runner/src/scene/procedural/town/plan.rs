@@ -8,6 +8,8 @@ use std::ops::Range;
 
 /// The town lies within this of its middle, along x and z.
 pub const HALF: f32 = 500.0;
+/// The outermost kerb.
+pub const EDGE: f32 = 494.0;
 /// Height of pavements over the road.
 pub const KERB: f32 = 0.12;
 
@@ -242,7 +244,7 @@ impl Plan {
         let row = self.zs.iter().position(|line| line.at == -58.0).unwrap_or(0);
         let mut ranges = vec![[column..column + 1, row..row + 2]];
         let mut dice = Dice::new(3, 0);
-        let mut free = |[x, z]: &[Range<usize>; 2], owners: &[Vec<usize>]| {
+        let free = |[x, z]: &[Range<usize>; 2], owners: &[Vec<usize>]| {
             x.clone().all(|i| z.clone().all(|j| owners[i][j] == usize::MAX))
         };
         take(&mut owners, &ranges[0], 0);
@@ -296,7 +298,13 @@ impl Plan {
                 parks += 1;
             } else if block.plot.size().min_element() > 28.0 {
                 let near = block.plot.center().distance(TOWERS);
-                let likely = if near < 105.0 { 0.85 } else if distance > 200.0 { 0.035 } else { 0.0 };
+                let likely = if near < 105.0 {
+                    0.85
+                } else if distance > 200.0 {
+                    0.035
+                } else {
+                    0.0
+                };
                 if towers < 22 && dice.chance(likely) {
                     block.usage = Usage::Towers;
                     towers += 1;
@@ -345,12 +353,6 @@ impl Plan {
             Side::West => self.xs[x.start].rank,
             Side::East => self.xs[x.end].rank,
         }
-    }
-
-    /// Is this on a road, between kerbs?
-    pub fn on_road(&self, p: Vec2) -> bool {
-        p.abs().max_element() < 485.0 + 0.5 * Rank::Avenue.road()
-            && !self.blocks.iter().any(|block| block.curb.contains(p))
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::facade::{Face, Opening, Window, alcove, glaze, wall, windows};
 use super::houses::{BAY, DEPTH, STOREY};
-use super::lots::{Solid, standing};
+use super::lots::standing;
 use super::materials::{Finish, Part};
 use super::plan::{Plan, Side, Usage};
 use crate::scene::Bounds;
@@ -13,12 +13,14 @@ const BAYS: usize = 4;
 pub const WIDTH: f32 = BAYS as f32 * BAY;
 const GROUND: f32 = 3.9;
 const STOREYS: usize = 5;
-const EAVES: f32 = GROUND + STOREY * (STOREYS - 1) as f32 + 0.25;
+pub const EAVES: f32 = GROUND + STOREY * (STOREYS - 1) as f32 + 0.25;
 /// The room, in the space of the house; its front is the wall to the street.
-const ROOM: Bounds = Bounds { min: Vec3::new(-3.4, GROUND + 0.1, -5.9), max: Vec3::new(3.4, GROUND + 3.1, -WALL) };
+pub const ROOM: Bounds =
+    Bounds { min: Vec3::new(-3.4, GROUND + 0.1, -5.9), max: Vec3::new(3.4, GROUND + 3.1, -WALL) };
 const WALL: f32 = 0.35;
 /// Its window, on the wall: from -2.2 to 2.2.
-const HOLE: Opening = Opening { u: [0.5 * WIDTH - 2.2, 0.5 * WIDTH + 2.2], v: [GROUND + 0.75, GROUND + 2.75] };
+const HOLE: Opening =
+    Opening { u: [0.5 * WIDTH - 2.2, 0.5 * WIDTH + 2.2], v: [GROUND + 0.75, GROUND + 2.75] };
 
 /// Where the house stands.
 pub struct Place {
@@ -30,10 +32,16 @@ pub struct Place {
 
 /// In the row that faces the square from the south, near its middle.
 pub fn place(plan: &Plan) -> Option<Place> {
-    let faces = |plot: &super::plan::Rect| plot.min.y > 58.0 && plot.min.y < 80.0 && plot.min.x < 0.0 && plot.max.x > 0.0;
+    let faces = |plot: &super::plan::Rect| {
+        plot.min.y > 58.0 && plot.min.y < 80.0 && plot.min.x < 0.0 && plot.max.x > 0.0
+    };
     let block = plan.blocks.iter().position(|block| block.usage == Usage::Houses && faces(&block.plot))?;
     let plot = &plan.blocks[block].plot;
-    Some(Place { block, side: Side::North, foot: Vec2::new((-6.0f32).max(plot.min.x + 30.0).min(6.0), plot.min.y) })
+    Some(Place {
+        block,
+        side: Side::North,
+        foot: Vec2::new((-6.0f32).max(plot.min.x + 30.0).min(6.0), plot.min.y),
+    })
 }
 
 /// From the space of the house to the world.
@@ -42,18 +50,12 @@ pub fn transform(plan: &Plan) -> Option<Affine3A> {
     Some(standing(place.foot, place.side, Vec3::ONE))
 }
 
-pub fn solid(to_world: Affine3A) -> Solid {
-    let half = 0.5 * WIDTH;
-    let min = Vec3::new(-half, 0.0, -DEPTH);
-    Solid::new(to_world, Bounds { min, max: Vec3::new(half, EAVES + 0.8, 0.0) }, vec![ROOM])
-}
-
 /// Position and target of the room's camera, in the space of the house.
 pub const CAMERA: [Vec3; 2] = [Vec3::new(2.6, GROUND + 1.65, -5.3), Vec3::new(-0.7, GROUND + 1.35, 0.0)];
 
 /// Where point lights hang, and how strong they are, cd.
 pub const LIGHTS: [(Vec3, f32); 2] =
-    [(Vec3::new(-0.6, GROUND + 2.0, -2.9), 26.0), (Vec3::new(-2.85, GROUND + 1.62, -5.2), 9.0)];
+    [(Vec3::new(-0.6, GROUND + 2.0, -2.9), 75.0), (Vec3::new(-2.85, GROUND + 1.62, -5.2), 28.0)];
 
 /// The house and what is in its room.
 pub fn house() -> Part {
@@ -116,7 +118,10 @@ fn inside(part: &mut Part, front: &Face) {
     for x in [-2.95f32, 2.35] {
         for fold in 0..6 {
             let (a, z) = (x + 0.1 * fold as f32, -WALL - 0.12 - 0.05 * (fold % 2) as f32);
-            part.add(Finish::RedCloth, &cuboid(Vec3::new(a, y + 0.05, z), Vec3::new(a + 0.1, y + 2.8, z + 0.04)));
+            part.add(
+                Finish::RedCloth,
+                &cuboid(Vec3::new(a, y + 0.05, z), Vec3::new(a + 0.1, y + 2.8, z + 0.04)),
+            );
         }
     }
     table(part, Vec3::new(-0.6, y, -2.9));
@@ -124,7 +129,9 @@ fn inside(part: &mut Part, front: &Face) {
     sofa(part, Vec3::new(2.2, y, -2.6));
     // A rug, a picture, the floor lamp.
     part.add(Finish::BlueCloth, &cuboid(Vec3::new(-2.4, y, -4.4), Vec3::new(1.2, y + 0.02, -1.3)));
-    let wall = |x: f32, z: [f32; 2], v: [f32; 2]| cuboid(Vec3::new(x, y + v[0], z[0]), Vec3::new(x + 0.04, y + v[1], z[1]));
+    let wall = |x: f32, z: [f32; 2], v: [f32; 2]| {
+        cuboid(Vec3::new(x, y + v[0], z[0]), Vec3::new(x + 0.04, y + v[1], z[1]))
+    };
     part.add(Finish::Board, &wall(ROOM.max.x - 0.04, [-3.4, -2.0], [1.4, 2.3]));
     part.add(Finish::GreenCloth, &wall(ROOM.max.x - 0.06, [-3.3, -2.1], [1.5, 2.2]));
     let lamp = Vec3::new(LIGHTS[1].0.x, y, LIGHTS[1].0.z);
@@ -162,7 +169,8 @@ fn table(part: &mut Part, at: Vec3) {
     let lamp = LIGHTS[0].0;
     part.add(Finish::GreenCloth, &shade(0.07, 0.3, 0.22).shifted(lamp + Vec3::new(0.0, 0.03, 0.0)));
     part.add(Finish::WhiteBulb, &sphere(0.05, 8).shifted(lamp + Vec3::new(0.0, 0.13, 0.0)));
-    let cable = cuboid(lamp + Vec3::new(-0.006, 0.25, -0.006), Vec3::new(lamp.x + 0.006, ROOM.max.y, lamp.z + 0.006));
+    let cable =
+        cuboid(lamp + Vec3::new(-0.006, 0.25, -0.006), Vec3::new(lamp.x + 0.006, ROOM.max.y, lamp.z + 0.006));
     part.add(Finish::Iron, &cable);
 }
 
@@ -184,7 +192,14 @@ fn shelf(part: &mut Part, at: Vec3) {
     for side in [0.0, 2.0] {
         part.add(Finish::Wood, &frame(Vec3::new(0.0, 0.0, side), Vec3::new(0.34, 2.3, side + 0.04)));
     }
-    let books = [Finish::RedCloth, Finish::GreenCloth, Finish::BlueCloth, Finish::Canvas, Finish::Ochre, Finish::Board];
+    let books = [
+        Finish::RedCloth,
+        Finish::GreenCloth,
+        Finish::BlueCloth,
+        Finish::Canvas,
+        Finish::Ochre,
+        Finish::Board,
+    ];
     for level in 0..6 {
         let y = 0.06 + 0.44 * level as f32;
         part.add(Finish::Wood, &frame(Vec3::new(0.0, y, 0.04), Vec3::new(0.34, y + 0.03, 2.0)));

@@ -53,13 +53,16 @@ const FOOT: f32 = 4.36;
 pub fn word(text: &str, finish: Finish) -> Part {
     let advance = 3.1 * UNIT;
     let half = 0.5 * (text.chars().count() as f32 * advance - 1.1 * UNIT);
-    let board =
-        cuboid(Vec3::new(-half - 0.12, FOOT - 0.09, 0.0), Vec3::new(half + 0.12, FOOT + 4.0 * UNIT + 0.09, 0.1));
+    let board = cuboid(
+        Vec3::new(-half - 0.12, FOOT - 0.09, 0.0),
+        Vec3::new(half + 0.12, FOOT + 4.0 * UNIT + 0.09, 0.1),
+    );
     let mut part = Part::of(Finish::Board, board);
     for (i, letter) in text.chars().enumerate() {
         let left = i as f32 * advance - half;
         for stroke in strokes(letter) {
-            let [a, b] = stroke.map(|[x, y]| Vec2::new(left + f32::from(x) * UNIT, FOOT + f32::from(y) * UNIT));
+            let [a, b] =
+                stroke.map(|[x, y]| Vec2::new(left + f32::from(x) * UNIT, FOOT + f32::from(y) * UNIT));
             part.add(finish, &tube(a, b));
         }
     }

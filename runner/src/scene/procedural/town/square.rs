@@ -2,9 +2,8 @@
 
 use super::facade::{Face, Opening, Pane, Window, glaze, wall, windows};
 use super::green;
-use super::lots::Solid;
 use super::materials::{Finish, Part};
-use super::plan::{KERB, Rect};
+use super::plan::KERB;
 use crate::scene::procedural::kit::Kit;
 use crate::scene::procedural::shapes::{Outline, cuboid, lathe, polygon, sphere};
 use crate::scene::{PlacedLight, PointLight, SpotLight};
@@ -12,14 +11,14 @@ use glam::{Affine3A, Quat, Vec2, Vec3};
 use std::f32::consts::TAU;
 
 /// The hall's front, its half-width and its depth.
-const FRONT: f32 = -27.0;
-const WING: f32 = 22.0;
-const DEPTH: f32 = 15.0;
-const EAVES: f32 = 14.5;
+pub const FRONT: f32 = -27.0;
+pub const WING: f32 = 22.0;
+pub const DEPTH: f32 = 15.0;
+pub const EAVES: f32 = 14.5;
 /// The tower: half-width, how far it stands before the front, height of its walls and of its tip.
-const TOWER: f32 = 4.5;
-const PORCH: f32 = 1.6;
-const WALLS: f32 = 33.0;
+pub const TOWER: f32 = 4.5;
+pub const PORCH: f32 = 1.6;
+pub const WALLS: f32 = 33.0;
 const TIP: f32 = 47.0;
 /// The middle of the fountain.
 const FOUNTAIN: Vec2 = Vec2::new(0.0, 24.0);
@@ -35,14 +34,6 @@ fn stalls() -> Vec<(Vec2, f32)> {
     stalls
 }
 
-pub fn solids() -> Vec<Solid> {
-    let rect = |x: [f32; 2], z: [f32; 2]| Rect::new(Vec2::new(x[0], z[0]), Vec2::new(x[1], z[1]));
-    vec![
-        Solid::block(rect([-WING, WING], [FRONT - DEPTH, FRONT]), EAVES),
-        Solid::block(rect([-TOWER, TOWER], [FRONT + PORCH - 2.0 * TOWER, FRONT + PORCH]), WALLS),
-    ]
-}
-
 /// The hall and all that stands around; returns the panes of the hall.
 pub fn add(kit: &mut Kit) -> Vec<Pane> {
     let (hall, panes) = hall();
@@ -51,7 +42,8 @@ pub fn add(kit: &mut Kit) -> Vec<Pane> {
     kit.place_at(mesh, Vec3::new(0.0, KERB, 0.0));
     let fountain = kit.mesh("fountain", fountain());
     kit.place_at(fountain, Vec3::new(FOUNTAIN.x, KERB, FOUNTAIN.y));
-    let stall_meshes = [Finish::RedCloth, Finish::GreenCloth, Finish::BlueCloth].map(|cloth| kit.mesh("stall", stall(cloth)));
+    let stall_meshes = [Finish::RedCloth, Finish::GreenCloth, Finish::BlueCloth]
+        .map(|cloth| kit.mesh("stall", stall(cloth)));
     let place = |at: Vec2, turn: f32| {
         Affine3A::from_rotation_translation(Quat::from_rotation_y(turn), Vec3::new(at.x, KERB, at.y))
     };
@@ -64,7 +56,10 @@ pub fn add(kit: &mut Kit) -> Vec<Pane> {
         let (sin, cos) = angle.sin_cos();
         kit.place(bench, place(FOUNTAIN + 7.5 * Vec2::new(sin, cos), angle + 0.5 * TAU));
     }
-    let spot = kit.mesh("ground-spot", Part::of(Finish::Iron, cuboid(Vec3::new(-0.15, 0.0, -0.15), Vec3::new(0.15, 0.25, 0.15))));
+    let spot = kit.mesh(
+        "ground-spot",
+        Part::of(Finish::Iron, cuboid(Vec3::new(-0.15, 0.0, -0.15), Vec3::new(0.15, 0.25, 0.15))),
+    );
     for (position, ..) in ground_spots() {
         kit.place_at(spot, Vec3::new(position.x, KERB, position.z));
     }
@@ -100,7 +95,9 @@ pub fn lights() -> Vec<PlacedLight> {
     for (position, target, intensity, outer) in ground_spots() {
         let axis = (target - position).normalize();
         let intensity = Vec3::new(1.25, 0.95, 0.55) * intensity;
-        lights.push(SpotLight { position, axis, intensity, inner_angle: 0.4 * outer, outer_angle: outer }.into());
+        lights.push(
+            SpotLight { position, axis, intensity, inner_angle: 0.4 * outer, outer_angle: outer }.into(),
+        );
     }
     for k in 0..4 {
         let way = Vec2::from_angle(TAU * (k as f32 + 0.5) / 4.0);
@@ -120,11 +117,11 @@ fn ground_spots() -> Vec<(Vec3, Vec3, f32, f32)> {
     for k in 0..8 {
         let x = -19.25 + 5.5 * k as f32;
         let foot = Vec3::new(x, KERB + 0.35, FRONT + 4.0);
-        spots.push((foot, Vec3::new(x, 9.0, FRONT), 210.0, 0.75));
+        spots.push((foot, Vec3::new(x, 9.0, FRONT), 120.0, 0.75));
     }
     for x in [-9.0, 9.0f32] {
         let foot = Vec3::new(x, KERB + 0.35, FRONT + 17.0);
-        spots.push((foot, Vec3::new(0.0, 27.0, FRONT + PORCH), 4200.0, 0.3));
+        spots.push((foot, Vec3::new(0.0, 27.0, FRONT + PORCH), 2600.0, 0.3));
     }
     spots
 }
@@ -192,7 +189,9 @@ fn clock_tower(part: &mut Part) {
     super::facade::pierce(part, &face, &gate, Finish::White, 0.5);
     part.add(Finish::Door, &face.quad(gate.u, gate.v, 0.5));
     part.add(Finish::Stone, &face.quad([0.0, 2.0 * TOWER], [6.0, WALLS], 0.0));
-    let turned = |quarter: usize| Affine3A::from_translation(middle) * Affine3A::from_rotation_y(0.25 * TAU * quarter as f32);
+    let turned = |quarter: usize| {
+        Affine3A::from_translation(middle) * Affine3A::from_rotation_y(0.25 * TAU * quarter as f32)
+    };
     for quarter in 0..4 {
         let side = Face::new(Vec3::new(-TOWER, 0.0, TOWER), Vec3::X);
         let mut sheet = Part::default();
@@ -207,13 +206,18 @@ fn clock_tower(part: &mut Part) {
         );
         sheet.add(Finish::Bronze, &lathe(&ring, 24).moved(upright));
         for hour in 0..12 {
-            let turn = Affine3A::from_translation(Vec3::new(0.0, DIAL.y, TOWER)) * Affine3A::from_rotation_z(TAU * hour as f32 / 12.0);
+            let turn = Affine3A::from_translation(Vec3::new(0.0, DIAL.y, TOWER))
+                * Affine3A::from_rotation_z(TAU * hour as f32 / 12.0);
             let mark = cuboid(Vec3::new(-0.06, 1.4, 0.1), Vec3::new(0.06, 1.75, 0.12));
             sheet.add(Finish::Board, &mark.moved(turn));
         }
         for (turn, length) in [(-0.9f32, 1.1), (1.9, 1.6)] {
-            let turn = Affine3A::from_translation(Vec3::new(0.0, DIAL.y, TOWER)) * Affine3A::from_rotation_z(turn);
-            sheet.add(Finish::Board, &cuboid(Vec3::new(-0.07, -0.25, 0.13), Vec3::new(0.07, length, 0.15)).moved(turn));
+            let turn =
+                Affine3A::from_translation(Vec3::new(0.0, DIAL.y, TOWER)) * Affine3A::from_rotation_z(turn);
+            sheet.add(
+                Finish::Board,
+                &cuboid(Vec3::new(-0.07, -0.25, 0.13), Vec3::new(0.07, length, 0.15)).moved(turn),
+            );
         }
         for y in [16.0, 24.5, WALLS - 0.6] {
             sheet.add(Finish::White, &side.block([-0.25, 2.0 * TOWER + 0.25], [y, y + 0.4], [0.25, 0.1]));
@@ -244,12 +248,12 @@ const DIAL: Vec3 = Vec3::new(0.0, 29.0, TOWER);
 /// The four dials; they shine at any count.
 pub fn dials() -> Part {
     let middle = Vec3::new(0.0, KERB, FRONT + PORCH - TOWER);
-    let corners: Vec<Vec3> = (0..12)
-        .map(|i| (Vec2::from_angle(TAU * i as f32 / 12.0) * 1.8).extend(0.06) + DIAL)
-        .collect();
+    let corners: Vec<Vec3> =
+        (0..12).map(|i| (Vec2::from_angle(TAU * i as f32 / 12.0) * 1.8).extend(0.06) + DIAL).collect();
     let mut part = Part::default();
     for quarter in 0..4 {
-        let turn = Affine3A::from_translation(middle) * Affine3A::from_rotation_y(0.25 * TAU * quarter as f32);
+        let turn =
+            Affine3A::from_translation(middle) * Affine3A::from_rotation_y(0.25 * TAU * quarter as f32);
         part.add(Finish::Dial, &polygon(&corners, Vec3::Z).moved(turn));
     }
     part
@@ -279,7 +283,8 @@ fn fountain() -> Part {
         .to(0.08, 4.5)
         .to(0.08, 4.6)
         .open();
-    let arm = crate::scene::procedural::shapes::tube(Vec3::new(0.15, 4.3, 0.0), Vec3::new(0.6, 5.0, 0.1), 0.07, 6);
+    let arm =
+        crate::scene::procedural::shapes::tube(Vec3::new(0.15, 4.3, 0.0), Vec3::new(0.6, 5.0, 0.1), 0.07, 6);
     let figure = lathe(&robe, 12).with(sphere(0.17, 12).shifted(Vec3::new(0.0, 4.72, 0.0))).with(arm);
     Part::of(Finish::Stone, lathe(&basin, 28).with(lathe(&column, 16)))
         .with(Finish::Water, lathe(&water, 28))

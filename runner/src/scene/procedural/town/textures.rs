@@ -71,7 +71,11 @@ fn brick(p: Vec2) -> Vec3 {
     let joint = inside.x.min(3.0 - inside.x).min(inside.y.min(1.0 - inside.y)) < 0.09;
     let tone = noise(Vec2::new((along.floor() + 0.5) / 8.0, (course + 0.5) / 24.0), [8, 24], 9);
     let weather = 0.8 + 0.4 * (fractal(p, [3, 3], 3, 2) - 0.5);
-    if joint { Vec3::new(0.86, 0.84, 0.80) * 0.72 } else { Vec3::new(1.0, 0.92, 0.88) * (0.62 + 0.38 * tone) * weather }
+    if joint {
+        Vec3::new(0.86, 0.84, 0.80) * 0.72
+    } else {
+        Vec3::new(1.0, 0.92, 0.88) * (0.62 + 0.38 * tone) * weather
+    }
 }
 
 fn plaster(p: Vec2) -> Vec3 {

@@ -2,7 +2,6 @@
 
 use super::dice::Dice;
 use super::facade::{Face, Opening, Pane};
-use super::lots::Solid;
 use super::materials::{Finish, Part};
 use super::plan::{KERB, Plan, Rect, Usage};
 use crate::scene::procedural::shapes::{cuboid, polygon};
@@ -64,7 +63,11 @@ fn tower(storeys: usize, finish: Finish) -> Tower {
             part.add(finish, &ledge(sill, Vec3::Y).with(ledge(head, Vec3::NEG_Y)));
             for bay in 0..bays {
                 let u = bay as f32 * BAY;
-                panes.push(Pane::of(face, &Opening { u: [u + 0.25, u + BAY - 0.25], v: [sill + 0.1, head - 0.1] }, 0.18));
+                panes.push(Pane::of(
+                    face,
+                    &Opening { u: [u + 0.25, u + BAY - 0.25], v: [sill + 0.1, head - 0.1] },
+                    0.18,
+                ));
             }
         }
         part.add(finish, &face.quad([0.0, SIDE], [storeys as f32 * STOREY, height], 0.0));
@@ -80,8 +83,13 @@ fn tower(storeys: usize, finish: Finish) -> Tower {
         part.add(finish, &cuboid(outer.min(inner), outer.max(inner)));
     }
     let at = |x: f32, z: f32| Vec3::new(x * half, height, z * half);
-    part.add(Finish::Gravel, &polygon(&[at(-1.0, 1.0), at(1.0, 1.0), at(1.0, -1.0), at(-1.0, -1.0)], Vec3::Y));
-    let up = |min: [f32; 3], max: [f32; 3]| cuboid(Vec3::from(min) + Vec3::Y * height, Vec3::from(max) + Vec3::Y * height);
+    part.add(
+        Finish::Gravel,
+        &polygon(&[at(-1.0, 1.0), at(1.0, 1.0), at(1.0, -1.0), at(-1.0, -1.0)], Vec3::Y),
+    );
+    let up = |min: [f32; 3], max: [f32; 3]| {
+        cuboid(Vec3::from(min) + Vec3::Y * height, Vec3::from(max) + Vec3::Y * height)
+    };
     part.add(finish, &up([-6.0, 0.0, -5.0], [5.0, 4.5, 6.0]));
     part.add(Finish::Steel, &up([-3.0, 4.5, -2.0], [0.0, 6.0, 3.0]));
     part.add(Finish::Iron, &up([1.9, 4.5, 1.9], [2.1, 15.0, 2.1]));
@@ -117,10 +125,6 @@ impl Site {
         self.transform.transform_point3(Vec3::Y * tower.height).y
     }
 
-    pub fn solid(&self, tower: &Tower) -> Solid {
-        Solid::block(self.rect, self.roof(tower))
-    }
-
     /// Of its floodlights: where each hangs, over the edge of the roof, and the way it shines: outward and down.
     pub fn floodlights(&self, tower: &Tower) -> [(Vec3, Vec3); 3] {
         let (center, half) = (self.rect.center(), 0.5 * self.rect.size().x);
@@ -130,7 +134,7 @@ impl Site {
             let way = Vec2::from_angle(turn).rotate(inward);
             // Where that way leaves the square.
             let edge = center + way * (half + 0.5) / way.abs().max_element();
-            let axis = Vec3::new(way.x, -0.62, way.y).normalize();
+            let axis = Vec3::new(way.x, -1.1, way.y).normalize();
             (Vec3::new(edge.x, self.roof(tower) + 0.9, edge.y), axis)
         })
     }

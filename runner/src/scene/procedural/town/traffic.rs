@@ -94,14 +94,16 @@ fn lane(plan: &Plan, block: usize) -> (Rect, f32) {
 
 /// All cars that move, near the middle first; none meets the drive.
 pub fn rounds(plan: &Plan) -> Vec<Round> {
-    let mut blocks: Vec<usize> =
-        (0..plan.blocks.len()).filter(|&i| plan.blocks[i].distance() < BUSY && plan.blocks[i].usage != Usage::Park).collect();
+    let mut blocks: Vec<usize> = (0..plan.blocks.len())
+        .filter(|&i| plan.blocks[i].distance() < BUSY && plan.blocks[i].usage != Usage::Park)
+        .collect();
     blocks.sort_by(|&a, &b| plan.blocks[a].distance().total_cmp(&plan.blocks[b].distance()));
     let drive = drive();
     let mut rounds = Vec::new();
     for (i, block) in blocks.into_iter().enumerate() {
         let (rect, radius) = lane(plan, block);
-        let [a, b, c, d] = [rect.min, Vec2::new(rect.max.x, rect.min.y), rect.max, Vec2::new(rect.min.x, rect.max.y)];
+        let [a, b, c, d] =
+            [rect.min, Vec2::new(rect.max.x, rect.min.y), rect.max, Vec2::new(rect.min.x, rect.max.y)];
         let path = Path::new(&[a, b, c, d], radius, true);
         for start in [0.13 * (i % 5) as f32, 0.13 * (i % 5) as f32 + 0.47] {
             let round = Round { path: path.clone(), start, color: (i + rounds.len()) % cars::COLORS.len() };
