@@ -56,8 +56,9 @@ pub fn trees(plan: &Plan) -> Vec<Tree> {
         match block.usage {
             Usage::Park => scatter(&mut trees, &block.plot.inset(3.0), 0.011, &mut dice, |_| true),
             Usage::Towers => {
-                let sparse = block.plot.inset(2.0);
-                scatter(&mut trees, &sparse, 0.004, &mut dice, |p| !block.plot.inset(6.0).contains(p));
+                // Towers stand at least 4 m from the pavement.
+                let edge = block.plot.inset(0.8);
+                scatter(&mut trees, &edge, 0.02, &mut dice, |p| !block.plot.inset(1.8).contains(p));
             }
             Usage::Square | Usage::Houses => {}
         }

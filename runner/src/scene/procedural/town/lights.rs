@@ -18,7 +18,7 @@ use crate::scene::animation::Thing;
 use crate::scene::emission::{Emission, Emitters};
 use crate::scene::procedural::kit::Kit;
 use crate::scene::procedural::shapes::cuboid;
-use crate::scene::{PlacedLight, PointLight, SceneDescription, SpotLight};
+use crate::scene::{Instance, PlacedLight, PointLight, SceneDescription, SpotLight};
 use glam::{Affine3A, Mat3, Quat, Vec3};
 
 /// Floodlights: cd, half-angles.
@@ -203,13 +203,14 @@ fn posters(kit: &mut Kit, town: &Town, most: usize, emissive: &mut Emissive) {
     }
     // Each of them once, to see what it costs.
     let alone = |mesh: usize| {
-        let mut scene = SceneDescription { instances: Vec::new(), ..kit.scene.clone() };
-        scene.instances.push(crate::scene::Instance {
-            name: String::new(),
-            mesh,
-            transform: Affine3A::IDENTITY,
-        });
-        emissive_lights(&scene)
+        let instance = Instance { name: String::new(), mesh: 0, transform: Affine3A::IDENTITY };
+        emissive_lights(&SceneDescription {
+            meshes: vec![kit.scene.meshes[mesh].clone()],
+            instances: vec![instance],
+            materials: kit.scene.materials.clone(),
+            textures: kit.scene.textures.clone(),
+            ..SceneDescription::default()
+        })
     };
     let costs: Vec<usize> = meshes.iter().map(|&mesh| alone(mesh)).collect();
     let mut left = most.min(emissive.left);

@@ -298,12 +298,10 @@ impl Plan {
                 parks += 1;
             } else if block.plot.size().min_element() > 28.0 {
                 let near = block.plot.center().distance(TOWERS);
-                let likely = if near < 105.0 {
-                    0.85
-                } else if distance > 200.0 {
-                    0.035
-                } else {
-                    0.0
+                let likely = match (near, distance) {
+                    (..105.0, _) => 0.85,
+                    (_, 330.0..) => 0.06,
+                    _ => 0.0,
                 };
                 if towers < 22 && dice.chance(likely) {
                     block.usage = Usage::Towers;

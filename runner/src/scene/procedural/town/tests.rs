@@ -171,7 +171,7 @@ fn the_drive_keeps_to_the_road() {
         let (p, forward) = (scene.cameras[drive].position, scene.cameras[drive].forward);
         assert!(fits(Vec2::new(p.x, p.z)) && !inside(p, -0.9), "{p} at {} s", f64::from(k) * 0.05);
         if let Some((before, heading)) = last {
-            // Smooth: under 20 m/s, and 60 degrees a second.
+            // Smooth: under 20 m/s, and 70 degrees a second.
             assert!(p.distance(before) < 1.0 && heading.angle_between(forward) < 0.06, "{p}");
             way += p.distance(before);
             turned += heading.angle_between(forward);

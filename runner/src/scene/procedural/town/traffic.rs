@@ -109,7 +109,7 @@ pub fn rounds(plan: &Plan) -> Vec<Round> {
             let round = Round { path: path.clone(), start, color: (i + rounds.len()) % cars::COLORS.len() };
             let meets = |k: u16| {
                 let time = f32::from(k) * 0.1;
-                round.at(time).distance(drive_at(&drive, time)) < CLEAR
+                round.at(time).distance(drive.at(time)) < CLEAR
             };
             if i % 2 == 0 && !(0..=(10.0 * DURATION) as u16).any(meets) {
                 rounds.push(round);
@@ -119,36 +119,74 @@ pub fn rounds(plan: &Plan) -> Vec<Round> {
     rounds
 }
 
-/// The drive: along the avenue to the square, round its north side and on to the west.
-pub fn drive() -> Path {
+/// The drive, as lengths of its way at equal times: slow in corners.
+pub struct Drive {
+    path: Path,
+    lengths: Vec<f32>,
+}
+
+/// Along the avenue to the square, round its north side and on to the west.
+pub fn drive() -> Drive {
     // Off the middle of the avenue, off the middle of the streets.
     let (avenue, street) = (2.4, 1.7);
     let corners = [
-        Vec2::new(136.0, -avenue),
+        Vec2::new(112.0, -avenue),
         Vec2::new(56.0 + street, -avenue),
         Vec2::new(56.0 + street, -58.0 - street),
         Vec2::new(-56.0 - street, -58.0 - street),
         Vec2::new(-56.0 - street, -avenue),
-        Vec2::new(-100.0, -avenue),
+        Vec2::new(-92.0, -avenue),
     ];
-    Path::new(&corners, 7.0, false)
+    let path = Path::new(&corners, 9.0, false);
+    let turns = &corners[1..corners.len() - 1];
+    // s/m: 7 m/s in corners, twice as fast away from them; the whole is stretched to the duration.
+    let slowness = |length: f32| {
+        let at = path.at(length);
+        let corner = turns.iter().map(|turn| turn.distance(at)).fold(f32::INFINITY, f32::min);
+        let t = ((corner - 5.0) / 22.0).clamp(0.0, 1.0);
+        1.0 / (7.0 + 7.0 * t * t * (3.0 - 2.0 * t))
+    };
+    let step = path.length() / 2000.0;
+    let mut clock = vec![0.0];
+    for i in 0..2000u16 {
+        clock.push(clock[usize::from(i)] + step * slowness((f32::from(i) + 0.5) * step));
+    }
+    let total = clock[2000];
+    let lengths = (0..=KEYS)
+        .map(|key| {
+            let time = total * key as f32 / KEYS as f32;
+            let after = clock.partition_point(|&c| c < time).clamp(1, 2000);
+            let t = (time - clock[after - 1]) / (clock[after] - clock[after - 1]);
+            step * (after as f32 - 1.0 + t)
+        })
+        .collect();
+    Drive { path, lengths }
 }
 
-/// Where the driver is.
-pub fn drive_at(path: &Path, time: f32) -> Vec2 {
-    path.at(path.length() * time / DURATION)
+impl Drive {
+    /// How far it has gone.
+    fn length(&self, time: f32) -> f32 {
+        let key = (time / DURATION).clamp(0.0, 1.0) * KEYS as f32;
+        let before = (key as usize).min(KEYS - 1);
+        let [a, b] = [self.lengths[before], self.lengths[before + 1]];
+        a + (b - a) * (key - before as f32)
+    }
+
+    pub fn at(&self, time: f32) -> Vec2 {
+        self.path.at(self.length(time))
+    }
 }
 
 /// Height of the driver's eyes, m.
 pub const EYES: f32 = 1.45;
 
 /// Where the driver is and looks: somewhat ahead, so that turns begin softly.
-pub fn driver(path: &Path, time: f32) -> (Vec3, Vec2) {
-    let here = drive_at(path, time);
-    let length = path.length() * time / DURATION;
+pub fn driver(drive: &Drive, time: f32) -> (Vec3, Vec2) {
+    let here = drive.at(time);
+    let length = drive.length(time);
     let mut way = Vec2::ZERO;
     for k in 1..=6 {
-        way += (path.at(length + 2.0 * k as f32) - here).normalize_or_zero();
+        way += (drive.path.at(length + 2.0 * k as f32) - here).normalize_or_zero();
     }
     (Vec3::new(here.x, EYES, here.y), way.normalize_or(Vec2::NEG_X))
 }
