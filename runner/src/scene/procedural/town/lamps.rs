@@ -130,7 +130,7 @@ pub fn mesh(kind: Kind, lit: bool) -> Part {
                 Outline::from(0.11, 0.0).to(0.11, 0.9).to(0.08, 1.0).to(0.05, 6.15).to(0.0, 6.15).open();
             let mut part = Part::of(Finish::Steel, lathe(&post, 8));
             part.add(Finish::Steel, &tube(Vec3::new(0.0, 6.1, 0.0), Vec3::new(0.0, 6.22, 1.3), 0.035, 6));
-            part.add(Finish::Steel, &cuboid(Vec3::new(-0.16, 6.16, 1.2), Vec3::new(0.16, 6.28, 1.9)));
+            part.add(Finish::Steel, &cuboid(Vec3::new(-0.16, 6.16, 1.2), Vec3::new(0.16, 6.27, 1.9)));
             part.with(glass, cuboid(Vec3::new(-0.12, 6.12, 1.3), Vec3::new(0.12, 6.16, 1.85)))
         }
     }
