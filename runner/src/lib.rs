@@ -1,5 +1,8 @@
 //! Candela's host: scenes, Vulkan, passes, commands.
 
+#[macro_use]
+pub mod stdout;
+
 pub mod cli;
 pub mod error;
 pub mod explain;

@@ -2,7 +2,8 @@
 
 use super::args::values::{parse_size, positive, time};
 use super::args::{DeviceArgs, KnobArgs, SceneArgs};
-use super::{output, progress, view};
+use super::progress::Steps;
+use super::{output, view};
 use crate::error::{Error, Result};
 use crate::explain::{World, check_pixel, next_frame};
 use crate::frame::renderer::{FrameOptions, Renderer};
@@ -71,14 +72,14 @@ pub fn run(args: &ExplainArgs) -> Result<()> {
     };
 
     let before = args.frame.unwrap_or(args.frames - 1);
-    let bar = progress::bar(before.into(), "frames before");
+    let mut progress = Steps::new(before.into(), "frames before");
     let mut stage = Stage { args, world: World::new(&scene)?, scene: scene.clone() };
     for frame in 0..before {
         let camera = stage.set(frame, &mut renderer)?;
         renderer.render(camera, &options)?;
-        bar.inc(1);
+        progress.step();
     }
-    bar.finish_and_clear();
+    progress.end();
     let camera = stage.set(before, &mut renderer)?;
     let (recorder, history) = renderer.parts();
     let explanation = next_frame(recorder, history, &stage.world, camera, &options, pixel)?;

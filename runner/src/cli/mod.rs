@@ -19,15 +19,18 @@ mod sweep;
 mod view;
 mod window;
 
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::startup;
 use args::{Cli, Command};
 use clap::Parser;
-use std::io;
 
 /// Runs the command that the program was started with; ends it where that can't be understood, or asks for help.
 pub fn run() -> Result<()> {
-    let cli = parse()?;
+    // Help is one of the answers, and goes to standard output.
+    let cli = Cli::try_parse().unwrap_or_else(|answer| match answer.print() {
+        Ok(()) => std::process::exit(answer.exit_code()),
+        Err(error) => crate::stdout::give_up(&error),
+    });
     if cli.timings() {
         startup::report();
     }
@@ -46,14 +49,4 @@ pub fn run() -> Result<()> {
         Command::Page { page } => page::update(&page),
         Command::Fixtures { directory } => fixtures::run(&directory),
     }
-}
-
-/// As clap does it, which takes a full disk for a success where it is asked for help.
-fn parse() -> Result<Cli> {
-    Cli::try_parse().or_else(|answer| match answer.print() {
-        Err(source) if source.kind() != io::ErrorKind::BrokenPipe => {
-            Err(Error::Write { path: "standard output".into(), source })
-        }
-        _ => std::process::exit(answer.exit_code()),
-    })
 }

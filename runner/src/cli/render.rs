@@ -2,7 +2,8 @@
 
 use super::args::values::positive;
 use super::args::{DeviceArgs, KnobArgs, PictureArgs, SceneArgs};
-use super::{output, progress, sequence, view};
+use super::progress::Steps;
+use super::{output, sequence, view};
 use crate::error::Result;
 use crate::frame::renderer::{FrameOptions, Renderer};
 use crate::frame::schedule::Work;
@@ -39,7 +40,8 @@ pub struct RenderArgs {
     /// Render the pictures of a sequence anew that exist.
     #[arg(long)]
     pub overwrite: bool,
-    /// Write the mean of all frames instead of the last one.
+    /// Write the mean of all frames instead of the last one. On processors, whose rays cost most of a frame, the mean gets
+    /// better sooner with --no-temporal --no-spatial.
     #[arg(long)]
     pub accumulate: bool,
 }
@@ -71,6 +73,11 @@ fn still(args: &RenderArgs, frames: u32) -> Result<()> {
     let settings = knobs.settings(gpu_scene.light_count());
     let size = args.picture.size;
     let mut renderer = Renderer::new(&device, gpu_scene, size, settings.reservoirs)?;
+    if args.accumulate && device.info().kind == "cpu" && (settings.temporal | settings.spatial) != 0 {
+        eprintln!(
+            "note: on a processor the mean of frames gets better sooner with --no-temporal --no-spatial"
+        );
+    }
     let options = FrameOptions {
         work: Work::Restir(settings),
         primary: knobs.primary,
@@ -84,20 +91,20 @@ fn still(args: &RenderArgs, frames: u32) -> Result<()> {
         PictureFormat::Png => renderer.meter(camera, &options)?,
         PictureFormat::Exr => None,
     };
-    let bar = progress::bar(frames.into(), "rendering");
+    let mut progress = Steps::new(frames.into(), "rendering");
     let mut times = PassTimes::default();
     let mut mean = Mean::new(size);
-    for _ in 0..frames {
+    for frame in 0..frames {
         times.add(renderer.render(camera, &options)?);
-        if bar.position() == 0 {
+        if frame == 0 {
             startup::reached("first frame, from start");
         }
         if args.accumulate {
             mean.add(&renderer.radiance()?);
         }
-        bar.inc(1);
+        progress.step();
     }
-    bar.finish_and_clear();
+    progress.end();
 
     let radiance = if args.accumulate { mean.radiance() } else { renderer.radiance()? };
     output::write(&args.picture, format, &radiance, metered)?;

@@ -1,8 +1,9 @@
 //! `candela render --frames A..B`: pictures of a sequence, one a frame. Those that exist are skipped, so that jobs can share a
 //! sequence and resume it.
 
+use super::progress::Steps;
 use super::render::RenderArgs;
-use super::{output, progress, view};
+use super::{output, view};
 use crate::error::{Error, Result};
 use crate::exposure;
 use crate::frame::renderer::{FrameOptions, Renderer};
@@ -50,7 +51,7 @@ pub fn run(args: &RenderArgs, frames: Range<u32>) -> Result<()> {
         background: Vec3::ZERO,
     };
     let mut film = Film { args, scene, renderer, options, next: None, times: PassTimes::default() };
-    let bar = progress::bar(missing.len() as u64, "sequence");
+    let mut progress = Steps::new(missing.len() as u64, "sequence");
     // The same for all pictures, and for all jobs that share the sequence.
     let exposure = match format {
         PictureFormat::Exr => 1.0,
@@ -59,9 +60,9 @@ pub fn run(args: &RenderArgs, frames: Range<u32>) -> Result<()> {
     for (frame, path) in &missing {
         let radiance = film.picture(*frame)?;
         output::write_exposed(path, args.picture.size, format, &radiance, exposure)?;
-        bar.inc(1);
+        progress.step();
     }
-    bar.finish_and_clear();
+    progress.end();
     let (first, last) = (&missing[0].1, &missing[missing.len() - 1].1);
     println!("wrote {} pictures, {} to {}", missing.len(), first.display(), last.display());
     println!("{}: {} lights", device.info().name, film.renderer.scene().light_count());

@@ -20,32 +20,22 @@ const UNSIGNED_SHORT: u32 = 5123;
 const UNSIGNED_INT: u32 = 5125;
 const ARRAY_BUFFER: u32 = 34962;
 const ELEMENT_ARRAY_BUFFER: u32 = 34963;
-const CHUNK_JSON: u32 = 0x4e4f_534a;
-const CHUNK_BIN: u32 = 0x004e_4942;
 /// Near plane of exported cameras, m: glTF asks for one, Candela has none.
 const NEAR: f32 = 0.01;
 
 /// One file: a .glb with everything in it. The same scene gives the same bytes. Fails where a texture's texels do not
 /// fit its size.
 pub fn to_glb(scene: &SceneDescription) -> Result<Vec<u8>> {
-    let (mut root, mut bin) = document(scene)?;
+    let (mut root, bin) = document(scene)?;
     if !bin.is_empty() {
         root.insert("buffers".into(), json!([{ "byteLength": bin.len() }]));
     }
-    let mut text = Value::Object(root).to_string().into_bytes();
-    text.resize(text.len().next_multiple_of(4), b' ');
-    bin.resize(bin.len().next_multiple_of(4), 0);
-    let chunks = [(CHUNK_JSON, text), (CHUNK_BIN, bin)];
-    let chunks = chunks.iter().filter(|(_, bytes)| !bytes.is_empty());
-    let length: usize = 12 + chunks.clone().map(|(_, bytes)| 8 + bytes.len()).sum::<usize>();
-    let mut glb = Vec::with_capacity(length);
-    glb.extend(b"glTF");
-    glb.extend([2, length as u32].map(u32::to_le_bytes).concat());
-    for (kind, bytes) in chunks {
-        glb.extend([bytes.len() as u32, *kind].map(u32::to_le_bytes).concat());
-        glb.extend(bytes);
-    }
-    Ok(glb)
+    // The writer counts the length.
+    let header = gltf::binary::Header { magic: *b"glTF", version: 2, length: 0 };
+    let json = Value::Object(root).to_string().into_bytes().into();
+    let bin = (!bin.is_empty()).then(|| bin.into());
+    let glb = gltf::Glb { header, json, bin };
+    glb.to_vec().map_err(|error| Error::Internal(format!("the file can't be written: {error}")))
 }
 
 /// Two files: the text of a .gltf and the bytes of the buffer that it refers to as `buffer_uri`.

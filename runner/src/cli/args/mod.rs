@@ -26,7 +26,7 @@ use values::{degrees, lights, parse_size, positive, stops, time};
 
 /// Direct lighting from thousands to millions of lights: ReSTIR DI on Vulkan ray tracing, every shader in Rust.
 #[derive(Debug, Parser)]
-#[command(version, args_conflicts_with_subcommands = true, after_help = exit_codes())]
+#[command(version, args_conflicts_with_subcommands = true, args_override_self = true, after_help = exit_codes())]
 pub struct Cli {
     #[command(subcommand)]
     pub command: Option<Command>,

@@ -135,6 +135,8 @@ fn frames_are_a_number_or_a_range() {
     assert_eq!(render("-o a.png").unwrap().frames, Frames::Still(16));
     assert_eq!(render("-o a.png --frames 3").unwrap().frames, Frames::Still(3));
     assert_eq!(render("-o a.png --frames 10..20").unwrap().frames, Frames::Sequence(10..20));
+    // As with every option, the last one counts.
+    assert_eq!(render("-o a.png --frames 10..20 --frames 4").unwrap().frames, Frames::Still(4));
 }
 
 #[test]

@@ -5,21 +5,22 @@ use crate::knobs;
 use crate::measure::sweep::Results;
 use crate::measure::sweep::point::{Judged, Measurement};
 
-pub fn table(results: &Results) -> String {
+pub fn table(results: &Results) -> csv::Result<Vec<u8>> {
     let passes = passes(results.rows.iter());
-    let mut lines = vec![header(&passes).join(",")];
+    let mut table = csv::Writer::from_writer(Vec::new());
+    table.write_record(header(&passes))?;
     for row in &results.rows {
-        let place =
-            [&row.scene, &row.lights.to_string(), &row.camera, &row.series, &row.label].map(|t| quoted(t));
-        let mut cells = place.to_vec();
+        let lights = row.lights.to_string();
+        let mut cells =
+            [&row.scene, &lights, &row.camera, &row.series, &row.label].map(String::clone).to_vec();
         match &row.measured {
             Some(m) => cells.extend(numbers(m, &passes)),
             None => cells.extend(vec![String::new(); header(&passes).len() - 6]),
         }
-        cells.push(quoted(row.error.as_deref().unwrap_or_default()));
-        lines.push(cells.join(","));
+        cells.push(row.error.clone().unwrap_or_default());
+        table.write_record(cells)?;
     }
-    lines.join("\n") + "\n"
+    table.into_inner().map_err(|error| error.into_error().into())
 }
 
 fn header(passes: &[String]) -> Vec<String> {
@@ -71,11 +72,6 @@ fn errors(judged: &Judged) -> Vec<String> {
     cells
 }
 
-/// As RFC 4180 has it.
-fn quoted(text: &str) -> String {
-    if text.contains([',', '"', '\n']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.into() }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -95,6 +91,5 @@ mod tests {
                 assert_eq!(numbers(&point, &passes)[at], knob.value(&point.settings).to_string());
             }
         }
-        assert_eq!(quoted("a, \"b\""), "\"a, \"\"b\"\"\"");
     }
 }

@@ -1,86 +1,81 @@
 //! report.html: one file without any other, to open anywhere.
 
-use super::plot::{Line, Point, escaped, log_log};
+use super::plot::{Line, Point, log_log};
 use super::tables::{self, COLUMNS, Table};
 use super::{Group, significant, thousands, verdict};
 use crate::measure::heatmap;
 use crate::measure::sweep::{Results, Row};
+use maud::{DOCTYPE, Markup, PreEscaped, html};
 use std::collections::HashSet;
-use std::fmt::Write;
 
 pub fn page(results: &Results) -> String {
-    let about = &results.about;
-    let title = escaped(&results.plan.title);
-    let [width, height] = results.plan.size;
-    let mut page = format!(
-        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width\">\
-         <title>{title}</title>\n<style>{STYLE}</style></head>\n<body><h1>{title}</h1>\n<dl>"
-    );
-    let runs = format!(
-        "{width} x {height} pixels, {} warm-up and {} timed frames, {} independent runs",
-        results.plan.warm_up, results.plan.frames, results.plan.replicas
-    );
-    let facts = [
-        (
-            "device",
-            format!("{} ({}, Vulkan {})", about.device.name, about.device.driver, about.device.vulkan),
-        ),
-        ("program", format!("{}, commit {}, shaders {}", about.program, about.commit, about.shaders)),
-        ("command", about.command.clone()),
-        ("date", about.date.clone()),
-        ("runs", runs),
-    ];
-    for (name, value) in facts {
-        let _ = writeln!(page, "<dt>{name}</dt><dd>{}</dd>", escaped(&value));
-    }
-    page += "</dl>\n";
-    for plot in over_lights(results) {
-        let _ = writeln!(page, "<figure class=\"plot\">{plot}</figure>");
-    }
-    for group in Group::all(results) {
-        section(&mut page, results, &group);
-    }
-    let _ = writeln!(page, "<script>{SCRIPT}</script></body></html>");
-    page
+    let (plan, about, device) = (&results.plan, &results.about, &results.about.device);
+    let page = html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width";
+                title { (plan.title) }
+                style { (PreEscaped(STYLE)) }
+            }
+            body {
+                h1 { (plan.title) }
+                dl {
+                    dt { "device" } dd { (device.name) " (" (device.driver) ", Vulkan " (device.vulkan) ")" }
+                    dt { "program" } dd { (about.program) ", commit " (about.commit) ", shaders " (about.shaders) }
+                    dt { "command" } dd { (about.command) }
+                    dt { "date" } dd { (about.date) }
+                    dt { "runs" } dd {
+                        (plan.size[0]) " x " (plan.size[1]) " pixels, " (plan.warm_up) " warm-up and " (plan.frames)
+                        " timed frames, " (plan.replicas) " independent runs"
+                    }
+                }
+                (figures(over_lights(results)))
+                @for group in Group::all(results) { (section(results, &group)) }
+                script { (PreEscaped(SCRIPT)) }
+            }
+        }
+    };
+    page.into_string()
 }
 
-fn section(page: &mut String, results: &Results, group: &Group) {
-    let _ = writeln!(page, "<h2>{}</h2>\n<p>{}</p>", escaped(&group.title()), escaped(&group.truth()));
-    if let Some(text) = group.unsettled() {
-        let _ = writeln!(page, "<p>{}</p>", escaped(&text));
-    }
+fn figures(plots: impl IntoIterator<Item = String>) -> Markup {
+    html! { @for plot in plots { figure.plot { (PreEscaped(plot)) } } }
+}
+
+fn section(results: &Results, group: &Group) -> Markup {
     let sentences = verdict::sentences(results, group);
-    if !sentences.is_empty() {
-        let items: Vec<_> = sentences.iter().map(|s| format!("<li>{}</li>", escaped(s))).collect();
-        let _ = writeln!(page, "<h3>Does reuse pay?</h3>\n<ul>{}</ul>", items.join("\n"));
+    let to_an_error = results.plan.accumulate.as_ref().and_then(|a| tables::equal_time(group, &a.targets));
+    html! {
+        h2 { (group.title()) }
+        p { (group.truth()) }
+        @if let Some(text) = group.unsettled() { p { (text) } }
+        @if !sentences.is_empty() {
+            h3 { "Does reuse pay?" }
+            ul { @for sentence in &sentences { li { (sentence) } } }
+        }
+        div.plots { (figures([equal_time(group), error_over_time(group)].into_iter().flatten())) }
+        @if let Some(table) = to_an_error { (shown("Time to an error", &table)) }
+        @if let Some(table) = tables::error_after(group) { (shown("Error after a time", &table)) }
+        @for (name, rows) in group.series() { (shown(name, &tables::series(&rows))) }
+        p.note { (COLUMNS) }
+        (pictures(group))
     }
-    page.push_str("<div class=\"plots\">");
-    for plot in [equal_time(group), error_over_time(group)].into_iter().flatten() {
-        let _ = writeln!(page, "<figure class=\"plot\">{plot}</figure>");
-    }
-    page.push_str("</div>\n");
-    if let Some(table) = results.plan.accumulate.as_ref().and_then(|a| tables::equal_time(group, &a.targets))
-    {
-        write_table(page, "Time to an error", &table);
-    }
-    if let Some(table) = tables::error_after(group) {
-        write_table(page, "Error after a time", &table);
-    }
-    for (name, rows) in group.series() {
-        write_table(page, name, &tables::series(&rows));
-    }
-    let _ = writeln!(page, "<p class=\"note\">{}</p>", escaped(COLUMNS));
-    pictures(page, group);
 }
 
-fn write_table(page: &mut String, name: &str, table: &Table) {
-    let _ = writeln!(page, "<h3>{}</h3>\n<div class=\"wide\"><table>", escaped(name));
-    for (i, row) in table.iter().enumerate() {
-        let cell = if i == 0 { "th" } else { "td" };
-        let cells: String = row.iter().map(|text| format!("<{cell}>{}</{cell}>", escaped(text))).collect();
-        let _ = writeln!(page, "<tr>{cells}</tr>");
+fn shown(name: &str, table: &Table) -> Markup {
+    html! {
+        h3 { (name) }
+        div.wide {
+            table {
+                @if let Some((head, rows)) = table.split_first() {
+                    tr { @for cell in head { th { (cell) } } }
+                    @for row in rows { tr { @for cell in row { td { (cell) } } } }
+                }
+            }
+        }
     }
-    page.push_str("</table></div>\n");
 }
 
 /// Single frames: error over ms, the Pareto front through the best.
@@ -172,19 +167,21 @@ pub fn over_lights(results: &Results) -> Vec<String> {
 }
 
 /// Side by side; wheel and drag move all of a section together.
-fn pictures(page: &mut String, group: &Group) {
+fn pictures(group: &Group) -> Markup {
     let mut seen = HashSet::new();
-    let mut figures = String::new();
+    let mut figures = Vec::new();
     let mut add = |key: &str, pictures: [&str; 2], caption: &str| {
         if pictures[0].is_empty() || !seen.insert(key.to_owned()) {
             return;
         }
-        figures.push_str("<figure>");
-        for jpeg in pictures.iter().filter(|jpeg| !jpeg.is_empty()) {
-            let image = format!("<img alt=\"\" src=\"data:image/jpeg;base64,{jpeg}\">");
-            let _ = write!(figures, "<div class=\"view\">{image}</div>");
-        }
-        let _ = writeln!(figures, "<figcaption>{}</figcaption></figure>", escaped(caption));
+        figures.push(html! {
+            figure {
+                @for jpeg in pictures.into_iter().filter(|jpeg| !jpeg.is_empty()) {
+                    div.view { img alt="" src={ "data:image/jpeg;base64," (jpeg) }; }
+                }
+                figcaption { (caption) }
+            }
+        });
     };
     for row in &group.rows {
         let Some(m) = &row.measured else { continue };
@@ -203,21 +200,23 @@ fn pictures(page: &mut String, group: &Group) {
         };
         add(&m.key, [&m.picture, &m.error_map], &format!("{label} ({numbers})"));
     }
-    if !figures.is_empty() {
-        let _ = writeln!(
-            page,
-            "<h3>Pictures</h3>\n<p class=\"note\">One frame each, the middle of the picture, one exposure for all; below it where it \
-             differs from the truth: FLIP, {} (0 to 1). The wheel zooms, dragging moves, a double click resets: all pictures of the \
-             section together.</p>\n<div class=\"pictures\">{figures}</div>",
-            legend()
-        );
+    html! {
+        @if !figures.is_empty() {
+            h3 { "Pictures" }
+            p.note {
+                "One frame each, the middle of the picture, one exposure for all; below it where it differs from the truth: FLIP, "
+                span.legend style=(legend()) {}
+                " (0 to 1). The wheel zooms, dragging moves, a double click resets: all pictures of the section together."
+            }
+            div.pictures { @for figure in &figures { (figure) } }
+        }
     }
 }
 
 /// The colors of error maps from 0 to 1.
 fn legend() -> String {
     let colors: Vec<_> = heatmap::FLIP.colors.iter().map(|[r, g, b]| format!("rgb({r} {g} {b})")).collect();
-    format!("<span class=\"legend\" style=\"background:linear-gradient(90deg,{})\"></span>", colors.join(","))
+    format!("background:linear-gradient(90deg,{})", colors.join(","))
 }
 
 const STYLE: &str = "

@@ -24,7 +24,9 @@ pub fn write(directory: &Path, results: &Results) -> Result<()> {
         measured.error_map.clear();
     }
     image_io::replace(&directory.join("points.json"), &to_json(&bare)?)?;
-    image_io::replace(&directory.join("points.csv"), csv::table(&bare).as_bytes())?;
+    let csv = directory.join("points.csv");
+    let table = csv::table(&bare).map_err(|e| Error::Internal(format!("{}: {e}", csv.display())))?;
+    image_io::replace(&csv, &table)?;
     image_io::replace(&directory.join("report.html"), html::page(results).as_bytes())
 }
 

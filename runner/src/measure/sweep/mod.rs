@@ -20,8 +20,6 @@ use plan::{Plan, PointSpec};
 use point::Measurement;
 use serde::{Deserialize, Serialize};
 use shared::camera::Camera;
-use shared::frame::features::light_kind;
-use shared::light::{KINDS, KindFacts};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
 use store::Store;
@@ -253,10 +251,7 @@ impl Sweep<'_> {
         if let Some(known) = self.store.truth(key).filter(good) {
             return Ok(known);
         }
-        let (lights, features) = (renderer.scene().light_count(), renderer.scene().features());
-        let is_there = |kind: &KindFacts| features & light_kind(kind.kind) != 0;
-        let points_only = KINDS.iter().filter(|kind| is_there(kind)).all(|kind| !kind.has_extent);
-        let lighting = Lighting { lights, points_only, features, primary };
+        let lighting = Lighting::new(renderer.scene(), primary);
         self.progress.enter("reference");
         let size = renderer.size();
         let mut mean = self.store.truth_state(key, size).unwrap_or_else(|| Mean::new(size));

@@ -9,12 +9,15 @@ use super::plan::TruthPlan;
 use crate::error::Result;
 use crate::frame::renderer::{FrameOptions, Renderer};
 use crate::frame::schedule::{Primary, Work};
+use crate::gpu_scene::GpuScene;
 use crate::measure::mean::Mean;
 use crate::measure::metrics::rel_mse_of_errors;
 use glam::{UVec2, Vec3};
 use serde::{Deserialize, Serialize};
 use shared::camera::Camera;
-use shared::frame::{Settings, features, mode};
+use shared::frame::features::{self, light_kind};
+use shared::frame::{Settings, mode};
+use shared::light::{KINDS, KindFacts};
 
 #[derive(Clone, Debug)]
 pub struct Truth {
@@ -62,7 +65,14 @@ pub struct Lighting {
 }
 
 impl Lighting {
-    fn is_exact(&self) -> bool {
+    pub fn new(scene: &GpuScene, primary: Primary) -> Self {
+        let (lights, features) = (scene.light_count(), scene.features());
+        let is_there = |kind: &KindFacts| features & light_kind(kind.kind) != 0;
+        let points_only = KINDS.iter().filter(|kind| is_there(kind)).all(|kind| !kind.has_extent);
+        Self { lights, points_only, features, primary }
+    }
+
+    pub fn is_exact(&self) -> bool {
         self.points_only && self.features & features::ALPHA == 0
     }
 }
