@@ -1,4 +1,4 @@
-//! Every chore has one command: `cargo xtask setup`, `demo`, `test`, `shaders`, `models`, `fixtures`, `bench`, `results`.
+//! Every chore has one command: `cargo xtask setup`, `demo`, `test`, `shaders`, `models`, `fixtures`, `bench`, `results`, `fuzz`.
 
 mod checks;
 mod command;
@@ -37,6 +37,11 @@ enum Task {
     Fixtures,
     /// Measure the rows of docs/performance.md on this machine: a Markdown table, and out/bench/points.json
     Bench,
+    /// Feed every reader with wrong files; what breaks one goes to out/fuzz (`--help` after `--` says more)
+    Fuzz {
+        #[arg(last = true)]
+        arguments: Vec<String>,
+    },
     /// Fill the tables of docs/results.md from docs/results
     Results,
     /// Fill the tables of docs/command-line.md from the program
@@ -63,6 +68,10 @@ fn run(task: Task) -> Result<()> {
         Task::Fixtures => candela(&["fixtures", "assets/scenes"]),
         Task::Bench => candela(&["sweep", "bench", "-o", "out/bench"]),
         Task::Docs => candela(&["page", "docs/command-line.md"]),
+        Task::Fuzz { arguments } => {
+            let fuzz = ["run", "-p", "tests", "--bin", "fuzz", "--"];
+            command::run(command::cargo().args(fuzz).args(arguments))
+        }
         Task::Results => candela(&["report", "docs/results", "--markdown", "docs/results.md"]),
     }
 }
