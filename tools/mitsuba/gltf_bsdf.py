@@ -10,15 +10,20 @@ MIN_ALPHA = 1e-3
 class GltfBsdf(mi.BSDF):
     """f = (1 - F) diffuse/pi + F D G / (4 cos_i cos_o), 1/sr, linear RGB.
 
-    Parameters: `diffuse`, `f0` (textures, 0..1), `roughness` (perceptual, alpha = roughness^2), `double_sided` (else the
-    back is black) and `smith`: `correlated` (the specification's), or `separable`, a planted error for negative controls.
+    `base`, `metallic`, `roughness` (perceptual, alpha = roughness^2) and `specular` as in Candela's scene.json; `workflow`
+    `metallic-roughness` or `specular-glossiness`. Textures multiply them where they are given: `base_map` and `color` the base,
+    the green and blue channels of `reflectance_map` roughness and metal, or `reflectance_map` the specular color and
+    `gloss_map` 1 - roughness. `double_sided`: else the back is black. `smith`: `correlated` (the specification's), or
+    `separable`, a planted error for negative controls.
     """
 
     def __init__(self, props):
         super().__init__(props)
-        self.diffuse = props.get_texture("diffuse")
-        self.f0 = props.get_texture("f0")
-        self.alpha = max(props["roughness"] ** 2, MIN_ALPHA)
+        self.glossy = props["workflow"] == "specular-glossiness"
+        self.base, self.specular = (props.get_texture(name) for name in ("base", "specular"))
+        self.metallic, self.roughness = props["metallic"], props["roughness"]
+        maps = ("base_map", "color", "reflectance_map", "gloss_map")
+        self.maps = {name: props.get_texture(name) for name in maps if props.has_property(name)}
         self.double_sided = props["double_sided"]
         self.separable = props.get("smith", "correlated") == "separable"
         sides = mi.BSDFFlags.FrontSide | (mi.BSDFFlags.BackSide if self.double_sided else mi.BSDFFlags.Empty)
@@ -33,14 +38,29 @@ class GltfBsdf(mi.BSDF):
             return wi, wo, dr.abs(cos_i), dr.mulsign(cos_o, cos_i)
         return si.wi, wo, cos_i, cos_o
 
+    def reflectance(self, si, active):
+        """Diffuse color, F0 and alpha (glTF 2.0, B.3.5; KHR_materials_pbrSpecularGlossiness)."""
+        def texel(name):
+            return self.maps[name].eval(si, active) if name in self.maps else mi.Color3f(1)
+        base = self.base.eval(si, active) * texel("base_map") * texel("color")
+        specular, texels = self.specular.eval(si, active), texel("reflectance_map")
+        if self.glossy:
+            f0 = specular * texels
+            diffuse = base * (1 - dr.max(f0))
+            roughness = 1 - (1 - self.roughness) * texel("gloss_map").x
+        else:
+            metallic, roughness = self.metallic * texels.z, self.roughness * texels.y
+            diffuse, f0 = base * (1 - metallic), specular + metallic * (base - specular)
+        return diffuse, f0, dr.maximum(dr.square(roughness), MIN_ALPHA)
+
     def eval(self, ctx, si, wo, active):
         """f times the cosine of `wo`."""
         wi, wo, cos_i, cos_o = self.cosines(si, wo)
         active = active & (cos_i > 0) & (cos_o > 0)
         half = dr.normalize(wi + wo)
-        f0 = self.f0.eval(si, active)
+        diffuse, f0, alpha = self.reflectance(si, active)
         fresnel = f0 + (1 - f0) * dr.clip(1 - dr.dot(wi, half), 0, 1) ** 5
-        a2 = self.alpha * self.alpha
+        a2 = dr.square(alpha)
         # Trowbridge & Reitz: sin^2 from x and y, which keeps its digits at narrow lobes.
         d = a2 / (dr.pi * dr.square(dr.square(half.x) + dr.square(half.y) + a2 * dr.square(half.z)))
         # Smith's Lambda (Heitz 2014, eq. 72); height-correlated G (eq. 99) or the product of both sides.
@@ -48,7 +68,7 @@ class GltfBsdf(mi.BSDF):
             return 0.5 * (dr.sqrt(1 + a2 * (1 / dr.square(cos) - 1)) - 1)
         li, lo = smith_lambda(cos_i), smith_lambda(cos_o)
         g = 1 / ((1 + li) * (1 + lo)) if self.separable else 1 / (1 + li + lo)
-        f = (1 - fresnel) * self.diffuse.eval(si, active) * dr.inv_pi + fresnel * d * g / (4 * cos_i * cos_o)
+        f = (1 - fresnel) * diffuse * dr.inv_pi + fresnel * d * g / (4 * cos_i * cos_o)
         return dr.select(active, f * cos_o, 0)
 
     def pdf(self, ctx, si, wo, active):
@@ -73,11 +93,11 @@ class GltfBsdf(mi.BSDF):
         return self.eval(ctx, si, wo, active), self.pdf(ctx, si, wo, active)
 
     def traverse(self, callback):
-        callback.put("diffuse", self.diffuse, mi.ParamFlags.Differentiable)
-        callback.put("f0", self.f0, mi.ParamFlags.Differentiable)
+        callback.put("base", self.base, mi.ParamFlags.Differentiable)
+        callback.put("specular", self.specular, mi.ParamFlags.Differentiable)
 
     def to_string(self):
-        return f"GltfBsdf[alpha = {self.alpha}, diffuse = {self.diffuse}, f0 = {self.f0}]"
+        return f"GltfBsdf[roughness = {self.roughness}, base = {self.base}, specular = {self.specular}]"
 
 
 mi.register_bsdf("gltf", GltfBsdf)

@@ -21,6 +21,8 @@ CONVERGED = 3e-3
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 # m: both programs start their shadow rays a little off the surface (about 0.3 mm here), which moves hard shadows as much.
 SHADOW_EDGE = 1e-3
+# Candela turns shading normals until their cosine with the direction to the camera is this.
+LEAST_COSINE = 0.01
 # Two rays see the same surface if they hit the same shape and the normals differ by less (cosine).
 SAME_NORMAL = 0.94
 
@@ -65,13 +67,22 @@ def away_from_edges(scene, size):
         return shape, np.array(si.sh_frame.n), sky
 
     shape, normal, sky = hits((0.5, 0.5))
+    facing = shading_normals_face_the_camera(scene, size)
     same = np.ones(shape.shape, bool)
     for offset in [(0, 0), (1, 0), (0, 1), (1, 1)]:
         other, other_normal, other_sky = hits(offset)
         same_normal = (normal * other_normal).sum(0) > SAME_NORMAL
         same_sky = (np.abs(sky - other_sky) <= 1e-5 * sky).all(0)
-        same &= (other == shape) & np.where(shape != 0, same_normal, same_sky)
+        same &= (other == shape) & np.where(shape != 0, same_normal & facing, same_sky)
     return same.reshape(size[1], size[0])
+
+
+def shading_normals_face_the_camera(scene, size):
+    """Where they do not, Mitsuba is black, and Candela turns them until they do: see README.md."""
+    rays = pixel_rays(scene.sensors()[0], size)
+    si = scene.ray_intersect(rays)
+    side = dr.sign(dr.dot(si.n, -rays.d))
+    return np.array(side * dr.dot(si.sh_frame.n, -rays.d)) >= LEAST_COSINE
 
 
 def away_from_hard_shadows(scene, size):

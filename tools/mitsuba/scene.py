@@ -1,6 +1,7 @@
 """A folder that `candela export` wrote -> a Mitsuba scene."""
 
 import json
+import sys
 from pathlib import Path
 
 import mitsuba as mi
@@ -9,7 +10,7 @@ import numpy as np
 import gltf_bsdf  # noqa: F401 (registers)
 import gltf_spot  # noqa: F401
 
-VERSION = 1
+VERSION = 2
 # Copies of each texel of an environment map along its sides: see `environment`.
 ENVIRONMENT_WIDTH = 4096
 
@@ -32,13 +33,13 @@ class Scene:
             raise SceneError(f"{folder / 'scene.json'}: {error}") from None
         if (root.get("format"), root.get("version")) != ("candela-scene", VERSION):
             raise SceneError(f"{folder / 'scene.json'}: not a candela-scene of version {VERSION}; export it again")
-        materials = root["materials"]
+        materials, textures = root["materials"], Textures(folder, root["textures"])
         self.objects = {"type": "scene", "sensor": sensor(root["camera"], size)}
         # Name -> emitter. Those of meshes belong to the mesh of the same name.
         self.lights = {}
         for i, shape in enumerate(root["shapes"]):
             material = materials[shape["material"]]
-            self.objects[f"shape{i}"] = mesh(folder / shape["file"], material, plant)
+            self.objects[f"shape{i}"] = mesh(folder / shape["file"], material, textures, plant)
             if any(material["emission"]):
                 self.lights[f"shape{i}"] = area(material)
         for i, light in enumerate(root["point_lights"]):
@@ -95,9 +96,9 @@ def sensor(camera, size):
     }
 
 
-def mesh(path, material, plant):
+def mesh(path, material, textures, plant):
     colored = b"property float r\n" in path.read_bytes()[:1024]
-    return {"type": "ply", "filename": str(path), "bsdf": bsdf(material, colored, plant)}
+    return {"type": "ply", "filename": str(path), "bsdf": bsdf(material, textures, colored, plant)}
 
 
 def area(material):
@@ -106,29 +107,60 @@ def area(material):
     return {"type": "area", "radiance": rgb(material["emission"])}
 
 
-def bsdf(material, colored, plant):
-    """c_diff and F0 of glTF 2.0, B.3.5, or of KHR_materials_pbrSpecularGlossiness."""
-    base, f0 = np.array(material["base_color"]), np.array(material["specular"])
-    if material["workflow"] == "specular-glossiness":
-        diffuse = base * (1 - f0.max())
-    else:
-        metallic = material["metallic"]
-        if colored and metallic > 0:
-            raise SceneError(f"{material['name']}: a metal with vertex colors")
-        diffuse, f0 = base * (1 - metallic), f0 + metallic * (base - f0)
-    diffuse = rgb(diffuse)
-    if colored:
-        if base.min() < 1 or base.max() > 1:
-            raise SceneError(f"{material['name']}: vertex colors over a base color that is not white")
-        diffuse = {"type": "mesh_attribute", "name": "vertex_color"}
-    return {
+def bsdf(material, textures, colored, plant):
+    """See gltf_bsdf.py."""
+    for what in ("normal", "emissive"):
+        if material[f"{what}_texture"]:
+            print(f"warning: {material['name']}: its {what} texture is not read", file=sys.stderr)
+    gltf = {
         "type": "gltf",
-        "diffuse": diffuse,
-        "f0": rgb(f0),
+        "workflow": material["workflow"],
+        "base": rgb(material["base_color"]),
+        "metallic": material["metallic"],
         "roughness": material["roughness"],
+        "specular": rgb(material["specular"]),
         "double_sided": material["double_sided"],
         "smith": "separable" if plant == "separable-smith" else "correlated",
     }
+    if colored:
+        gltf["color"] = {"type": "mesh_attribute", "name": "vertex_color"}
+    if use := material["base_color_texture"]:
+        gltf["base_map"] = textures.bitmap(use)
+    if use := material["reflectance_texture"]:
+        gltf["reflectance_map"] = textures.bitmap(use)
+        if material["workflow"] == "specular-glossiness":
+            gltf["gloss_map"] = textures.bitmap(use, alpha=True)
+    return gltf
+
+
+class Textures:
+    """Those of a scene, as Mitsuba reads them: the finest mip level alone."""
+
+    WRAPS = {"repeat": "repeat", "mirrored-repeat": "mirror", "clamp-to-edge": "clamp"}
+
+    def __init__(self, folder, textures):
+        self.folder, self.textures = folder, textures
+
+    def bitmap(self, use, alpha=False):
+        texture = self.textures[use["texture"]]
+        if use["set"] != 0:
+            raise SceneError(f"{texture['file']}: a second set of texture coordinates")
+        if texture["wrap"][0] != texture["wrap"][1]:
+            raise SceneError(f"{texture['file']}: Mitsuba wraps both sides alike")
+        texels = np.array(mi.Bitmap(str(self.folder / texture["file"]))).astype(np.float32) / 255
+        color = texels[..., 3:].repeat(3, axis=2) if alpha else texels[..., :3]
+        if texture["srgb"] and not alpha:
+            # Decoded before it is interpolated, as hardware does.
+            color = np.where(color <= 0.04045, color / 12.92, ((color + 0.055) / 1.055) ** 2.4)
+        (a, b, c), (d, e, f) = use["u"], use["v"]
+        return {
+            "type": "bitmap",
+            "bitmap": mi.Bitmap(np.ascontiguousarray(color, np.float32)),
+            "raw": True,
+            "filter_type": "bilinear" if texture["linear"] else "nearest",
+            "wrap_mode": self.WRAPS[texture["wrap"][0]],
+            "to_uv": mi.ScalarTransform4f([[a, b, 0, c], [d, e, 0, f], [0, 0, 1, 0], [0, 0, 0, 1]]),
+        }
 
 
 def spot(light, plant):

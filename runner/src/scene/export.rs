@@ -212,7 +212,7 @@ fn wrap_code(wrap: Wrap) -> u32 {
     }
 }
 
-fn png(image: &Image) -> Result<Vec<u8>> {
+pub(super) fn png(image: &Image) -> Result<Vec<u8>> {
     let Image { name, width, height, texels } = image;
     if texels.len() as u64 != u64::from(*width) * u64::from(*height) * 4 || texels.is_empty() {
         let bytes = texels.len();

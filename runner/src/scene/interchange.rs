@@ -1,21 +1,24 @@
 //! Scenes for other programs: a folder with `scene.json` and a PLY file for each shape, as `tools/mitsuba/README.md` lists it.
 //!
 //! What is written is a [`SceneDescription`], after loading: geometry and lights in world space, metres and photometric
-//! units, so that a stranger's renderer starts from what Candela's own passes start from. Textures and alpha are not
-//! written; [`left_out`] says so.
+//! units, so that a stranger's renderer starts from what Candela's own passes start from. Alpha is not written;
+//! [`left_out`] says so.
 
+use super::export::png;
 use super::{
-    AlphaMode, Environment, Instance, Material, PlacedLight, Primitive, SceneCamera, SceneDescription,
-    Workflow,
+    AlphaMode, Environment, Image, Instance, Material, PlacedLight, Primitive, SceneCamera, SceneDescription,
+    Workflow, Wrap,
 };
 use crate::error::Result;
 use crate::image_io;
 use glam::Mat3;
 use serde_json::{Value, json};
+use shared::material::{UvMap, slot};
 use std::path::Path;
+use std::sync::Arc;
 
 /// Changes when a reader of the old files would misread the new ones.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 /// Writes `scene` as seen by `camera` into `directory`, which is made if it is not there. `scene.json` is written last, as
 /// a whole: a folder with one is complete.
@@ -31,6 +34,7 @@ pub fn write(scene: &SceneDescription, camera: &SceneCamera, directory: &Path) -
     }
     let environment = scene.environment.as_ref().map(|map| write_environment(map, directory)).transpose()?;
     let mut root = document(scene, camera);
+    root["textures"] = write_textures(scene, directory)?.into();
     root["shapes"] = shapes.into();
     root["environment"] = environment.into();
     image_io::replace(&directory.join("scene.json"), format!("{root:#}\n").as_bytes())
@@ -39,13 +43,17 @@ pub fn write(scene: &SceneDescription, camera: &SceneCamera, directory: &Path) -
 /// One line for each kind of thing that the scene has and the files will not.
 pub fn left_out(scene: &SceneDescription) -> Vec<String> {
     let count = |has: &dyn Fn(&Material) -> bool| scene.materials.iter().filter(|m| has(m)).count();
-    let textured = count(&|m| m.textures().iter().any(Option::is_some));
+    let textured =
+        |m: &Material| m.textures().iter().zip(&m.uv_maps).any(|(t, map)| t.is_some() && map.set != 0);
+    let second = count(&textured);
     let transparent = count(&|m| m.alpha != AlphaMode::Opaque);
     let unlit = count(&|m| m.unlit);
-    [(textured, "textures"), (transparent, "transparency"), (unlit, "unlit color")]
+    [(second, "a second set of texture coordinates"), (transparent, "transparency"), (unlit, "unlit color")]
         .into_iter()
         .filter(|(materials, _)| *materials > 0)
-        .map(|(materials, what)| format!("{what} of {materials} materials is not exported"))
+        .map(|(materials, what)| {
+            format!("not exported: {what}, of {materials} of {} materials", scene.materials.len())
+        })
         .collect()
 }
 
@@ -90,7 +98,17 @@ fn document(scene: &SceneDescription, camera: &SceneCamera) -> Value {
 }
 
 fn material(material: &Material) -> Value {
+    let [base_color, reflectance, normal, emissive] = material.textures();
+    let texture = |texture: Option<usize>, slot: usize| {
+        let UvMap { u, v, set } = material.uv_maps[slot];
+        texture.map(|t| json!({ "texture": t, "u": u.to_array(), "v": v.to_array(), "set": set }))
+    };
     json!({
+        "base_color_texture": texture(base_color, slot::BASE_COLOR),
+        "reflectance_texture": texture(reflectance, slot::REFLECTANCE),
+        "normal_texture": texture(normal, slot::NORMAL),
+        "normal_scale": material.normal_scale,
+        "emissive_texture": texture(emissive, slot::EMISSIVE),
         "name": material.name,
         "workflow": match material.workflow {
             Workflow::MetallicRoughness => "metallic-roughness",
@@ -103,6 +121,28 @@ fn material(material: &Material) -> Value {
         "emission": material.emission.to_array(),
         "double_sided": material.double_sided,
     })
+}
+
+/// A PNG file each image.
+fn write_textures(scene: &SceneDescription, directory: &Path) -> Result<Vec<Value>> {
+    let mut images: Vec<&Arc<Image>> = Vec::new();
+    let mut json = Vec::new();
+    for texture in &scene.textures {
+        let known = images.iter().position(|image| Arc::ptr_eq(image, &texture.image));
+        let file = format!("texture-{:03}.png", known.unwrap_or(images.len()));
+        if known.is_none() {
+            image_io::replace(&directory.join(&file), &png(&texture.image)?)?;
+            images.push(&texture.image);
+        }
+        let wrap = texture.wrap.map(|wrap| match wrap {
+            Wrap::Repeat => "repeat",
+            Wrap::MirroredRepeat => "mirrored-repeat",
+            Wrap::ClampToEdge => "clamp-to-edge",
+        });
+        let linear = texture.filter.magnify_linear;
+        json.push(json!({ "file": file, "srgb": texture.srgb, "wrap": wrap, "linear": linear }));
+    }
+    Ok(json)
 }
 
 fn write_environment(map: &Environment, directory: &Path) -> Result<Value> {
@@ -251,11 +291,16 @@ mod tests {
         let mut scene = fixture("cornell-box");
         assert!(left_out(&scene).is_empty());
         scene.materials[1].base_color_texture = Some(0);
+        assert!(left_out(&scene).is_empty(), "textures are exported");
+        scene.materials[1].uv_maps[slot::BASE_COLOR].set = 1;
         scene.materials[2].alpha = AlphaMode::Blend;
         let lines = left_out(&scene);
         assert_eq!(
             lines,
-            ["textures of 1 materials is not exported", "transparency of 1 materials is not exported"]
+            [
+                "not exported: a second set of texture coordinates, of 1 of 8 materials",
+                "not exported: transparency, of 1 of 8 materials"
+            ]
         );
         // A directory can't be made under a file.
         let below = Path::new(env!("CARGO_MANIFEST_DIR")).join("Cargo.toml/below");
