@@ -3,7 +3,7 @@
 use candela::knobs::Knobs;
 use candela::measure::sweep::plan::Plan;
 use candela::scene::lights::LightTable;
-use candela::scene::{SceneDescription, environment, gltf};
+use candela::scene::{EnvironmentSource, SceneDescription, environment, gltf};
 use clap::ValueEnum;
 use std::path::{Path, PathBuf};
 
@@ -52,7 +52,8 @@ impl Target {
                 size_of_scene(&scene) + size_of_val(&lights.lights[..])
             }),
             Target::Environment => {
-                environment::load(path, 1.0).map_or(0, |(map, _)| size_of_val(&map.radiance[..]))
+                let source = EnvironmentSource::new(path.into());
+                environment::load(&source).map_or(0, |(map, _)| size_of_val(&map.radiance[..]))
             }
             Target::Settings => Knobs::read(path).map_or(0, |file| file.to_json().len()),
             Target::Plan => {
