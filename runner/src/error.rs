@@ -1,7 +1,7 @@
 //! Errors that a user can meet: each names its resource, what is wrong with it and what to do, and has a kind, which is the
 //! program's exit code.
 
-use std::fmt::Display;
+use std::fmt::{self, Display, Formatter};
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -41,9 +41,9 @@ pub enum Error {
     NoDevice { seen: Vec<String> },
 
     #[error(
-        "out of memory: {what} needs {bytes} bytes ({device} has no more); use a smaller --size or scene"
+        "out of memory: {what} needs {bytes} bytes ({device} has {left}); use a smaller --size or scene"
     )]
-    OutOfMemory { what: String, bytes: u64, device: &'static str },
+    OutOfMemory { what: String, bytes: u64, device: &'static str, left: Left },
 
     #[error("can't start a thread to {to}: {source}")]
     NoThread { to: &'static str, source: io::Error },
@@ -60,6 +60,23 @@ pub enum Error {
 
     #[error("internal error: {0}; please report it")]
     Internal(String),
+}
+
+/// What memory there is where there is too little.
+#[derive(Clone, Copy, Debug)]
+pub enum Left {
+    /// An allocation failed.
+    Less,
+    Bytes(u64),
+}
+
+impl Display for Left {
+    fn fmt(&self, f: &mut Formatter) -> fmt::Result {
+        match self {
+            Left::Less => write!(f, "no more"),
+            Left::Bytes(bytes) => write!(f, "{bytes} left"),
+        }
+    }
 }
 
 /// What an error means for whoever started the program: its exit code.
@@ -168,7 +185,7 @@ mod tests {
             (Error::Unsupported(text()), 4),
             (Error::NoLoader(text()), 4),
             (Error::NoDevice { seen: Vec::new() }, 4),
-            (Error::OutOfMemory { what: text(), bytes: 1, device: "the GPU" }, 5),
+            (Error::OutOfMemory { what: text(), bytes: 1, device: "the GPU", left: Left::Less }, 5),
             (Error::NoThread { to: "wait", source: io() }, 5),
             (Error::DeviceLost(text()), 6),
             (Error::Vulkan { what: text(), result: lost }, 6),

@@ -26,6 +26,40 @@ fn bad_input_is_2() {
     assert_refused(&["compare", "Cargo.toml", "Cargo.toml"], 2, "Cargo.toml");
 }
 
+/// Pipes that nobody writes to, in place of every kind of file: nothing waits for them.
+#[test]
+#[cfg(unix)]
+fn pipes_are_no_input() {
+    let folder = std::env::temp_dir().join(format!("candela-pipes-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let path = |name: &str| folder.join(name).to_string_lossy().into_owned();
+    let pipes = ["a.glb", "a.gltf", "a.bin", "a.png", "a.hdr", "a.exr", "a.json", "a.toml", "a.md", "points.json"];
+    assert!(Command::new("mkfifo").args(pipes.map(path)).status().expect("mkfifo").success());
+    let json = r#"{"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 1]}],
+        "bufferViews": [{"buffer": 0, "byteLength": 36}], "buffers": [{"uri": "a.bin", "byteLength": 36}]}"#;
+    std::fs::write(folder.join("buffer.gltf"), json).unwrap();
+    let output = path("out.png");
+    for args in [
+        &["info", &path("a.glb")][..],
+        &["info", &path("a.gltf")],
+        &["info", &path("buffer.gltf")],
+        &["info", "knot", "--environment", &path("a.hdr")],
+        &["info", "knot", "--environment", &path("a.exr")],
+        &["info", "knot", "--environment", &path("a.png")],
+        &["render", "knot", "--settings", &path("a.json"), "-o", &output],
+        &["sweep", &path("a.toml"), "-o", &path("sweep")],
+        &["compare", &path("a.exr"), &path("a.exr")],
+        &["report", &path("")],
+        &["report", &path(""), "--markdown", &path("a.md")],
+        &["view", "knot", "--script", &path("a.toml")],
+    ] {
+        assert_refused(args, 2, "not a regular file");
+    }
+    std::fs::remove_dir_all(&folder).unwrap();
+}
+
 #[test]
 fn what_cannot_be_written_is_3() {
     let blocked = Path::new(env!("CARGO_MANIFEST_DIR")).join("Cargo.toml/maps");

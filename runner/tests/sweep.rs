@@ -91,6 +91,15 @@ fn a_killed_sweep_goes_on_and_its_numbers_make_sense() {
     }
     more_candidates_give_less_error(&table);
 
+    // What is read back has the digits of what was measured: the third run measures nothing, and writes what the second wrote.
+    let rows = || -> serde_json::Value {
+        let json = std::fs::read(directory.join("points.json")).unwrap();
+        serde_json::from_slice::<serde_json::Value>(&json).unwrap()["rows"].take()
+    };
+    let measured = rows();
+    assert!(sweep(directory).status().unwrap().success());
+    assert!(rows() == measured && std::fs::read_to_string(directory.join("points.csv")).unwrap() == csv);
+
     let html = std::fs::read_to_string(directory.join("report.html")).unwrap();
     assert!(html.contains("<svg") && html.contains("data:image/jpeg;base64,") && !html.contains(">NaN"));
     assert!(!html.contains("src=\"http") && !html.contains("href=\"http"), "the report needs no network");

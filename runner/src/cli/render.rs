@@ -73,7 +73,7 @@ fn still(args: &RenderArgs, frames: u32) -> Result<()> {
     let settings = knobs.settings(gpu_scene.light_count());
     let size = args.picture.size;
     let mut renderer = Renderer::new(&device, gpu_scene, size, settings.reservoirs)?;
-    if args.accumulate && device.info().kind == "cpu" && (settings.temporal | settings.spatial) != 0 {
+    if args.accumulate && device.info().is_processor() && (settings.temporal | settings.spatial) != 0 {
         eprintln!(
             "note: on a processor the mean of frames gets better sooner with --no-temporal --no-spatial"
         );

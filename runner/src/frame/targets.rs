@@ -40,7 +40,10 @@ impl Targets {
     pub fn new(device: &Device, size: UVec2, reservoirs: u32) -> Result<Self> {
         let nothing = storage(device, "nothing", 0)?;
         let mut targets = Targets { buffers: BTreeMap::new(), nothing, drawn: None, size, reservoirs };
-        for resource in [Resource::gbuffer, Resource::reservoirs, Resource::radiance, Resource::display] {
+        let always = [Resource::gbuffer, Resource::reservoirs, Resource::radiance, Resource::display];
+        let bytes = always.map(|resource| resource.copies() as u64 * targets.bytes_of(resource));
+        device.check_room(&format!("a picture of {}x{} pixels", size.x, size.y), bytes.iter().sum())?;
+        for resource in always {
             targets.make(device, resource)?;
         }
         Ok(targets)
@@ -48,7 +51,7 @@ impl Targets {
 
     /// Makes room for all copies of `resource`, unless it is there. Frames in flight don't notice.
     pub fn make(&mut self, device: &Device, resource: Resource) -> Result<()> {
-        let bytes = self.elements(resource.extent()) * resource.stride() as u64;
+        let bytes = self.bytes_of(resource);
         for copy in 0..resource.copies() {
             let target = Target { resource, copy };
             if let Entry::Vacant(place) = self.buffers.entry(target) {
@@ -59,6 +62,11 @@ impl Targets {
             self.drawn = Some(DrawTarget::new(device, self.size)?);
         }
         Ok(())
+    }
+
+    /// Of each copy.
+    fn bytes_of(&self, resource: Resource) -> u64 {
+        self.elements(resource.extent()) * resource.stride() as u64
     }
 
     fn elements(&self, extent: Extent) -> u64 {

@@ -22,7 +22,7 @@
 //! ```
 
 use super::input::{Button, Command, Input, KeyCode};
-use crate::error::{Error, Result};
+use crate::error::{Error, Left, Result};
 use crate::{files, knobs};
 use glam::{UVec2, Vec2};
 use std::collections::VecDeque;
@@ -157,7 +157,7 @@ fn parse_line(words: &[&str]) -> Option<Vec<Line>> {
 }
 
 fn out_of_memory(what: &str) -> Error {
-    Error::OutOfMemory { what: what.into(), bytes: 1, device: "the GPU" }
+    Error::OutOfMemory { what: what.into(), bytes: 1, device: "the GPU", left: Left::Less }
 }
 
 /// Pressed in this order, released in the other.

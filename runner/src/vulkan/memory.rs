@@ -1,7 +1,8 @@
 //! Memory of a device: what buffers and images are put in, and how much of it is used.
 
 use super::device::Device;
-use crate::error::{Error, Result};
+use super::physical;
+use crate::error::{Error, Left, Result};
 use ash::vk;
 use gpu_allocator::vulkan::{
     Allocation, AllocationCreateDesc, AllocationScheme, Allocator, AllocatorCreateDesc,
@@ -14,7 +15,11 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 pub(super) struct DeviceMemory {
     pub allocator: Arc<Mutex<Allocator>>,
     used: AtomicU64,
+    has_budget: bool,
 }
+
+/// Buffers and images from this size on are worth asking the driver for its budget, bytes.
+const LARGE: u64 = 16 << 20;
 
 impl DeviceMemory {
     pub fn new(
@@ -33,7 +38,11 @@ impl DeviceMemory {
         });
         let allocator =
             allocator.map_err(|e| Error::Platform(format!("{name}: can't manage its memory: {e}")))?;
-        Ok(DeviceMemory { allocator: Arc::new(Mutex::new(allocator)), used: AtomicU64::new(0) })
+        Ok(DeviceMemory {
+            allocator: Arc::new(Mutex::new(allocator)),
+            used: AtomicU64::new(0),
+            has_budget: physical::has_memory_budget(instance, physical)?,
+        })
     }
 
     pub fn used(&self) -> u64 {
@@ -54,6 +63,9 @@ impl Device {
         location: MemoryLocation,
         linear: bool,
     ) -> Result<Allocation> {
+        if requirements.size >= LARGE {
+            self.check_room(name, requirements.size)?;
+        }
         let memory = self.memory();
         let scheme = AllocationScheme::GpuAllocatorManaged;
         let desc = AllocationCreateDesc { name, requirements, location, linear, allocation_scheme: scheme };
@@ -63,6 +75,35 @@ impl Device {
         })?;
         memory.used.fetch_add(allocation.size(), Ordering::Relaxed);
         Ok(allocation)
+    }
+
+    /// Fails where there are no `bytes` more for `what`. A processor's driver promises memory that the machine has not, and the
+    /// system then ends the program that uses it.
+    pub fn check_room(&self, what: &str, bytes: u64) -> Result<()> {
+        let left = self.room();
+        if bytes <= left {
+            return Ok(());
+        }
+        let device = if self.info().is_processor() { "this machine" } else { "the GPU" };
+        Err(Error::OutOfMemory { what: what.into(), bytes, device, left: Left::Bytes(left) })
+    }
+
+    /// Bytes: what the system has left for a processor, and what the largest heap of any other device has beside what is in use.
+    fn room(&self) -> u64 {
+        let memory = self.memory();
+        let mut budget = vk::PhysicalDeviceMemoryBudgetPropertiesEXT::default();
+        let mut properties = vk::PhysicalDeviceMemoryProperties2::default();
+        if memory.has_budget {
+            properties = properties.push_next(&mut budget);
+        }
+        // SAFETY: the device is of this instance, and has the extension whose structure is asked for.
+        unsafe { self.instance().get_physical_device_memory_properties2(self.physical_device(), &mut properties) };
+        let heaps = properties.memory_properties;
+        let largest = heaps.memory_heaps_as_slice().iter().map(|heap| heap.size).max().unwrap_or(0);
+        if memory.has_budget && self.info().is_processor() {
+            return budget.heap_budget[0].saturating_sub(budget.heap_usage[0]);
+        }
+        largest.saturating_sub(memory.used())
     }
 
     pub(super) fn free(&self, allocation: Allocation) {
@@ -86,5 +127,34 @@ pub(super) fn creation_error(result: vk::Result, what: &str, bytes: u64, locatio
 
 fn out_of_memory(what: &str, bytes: u64, location: MemoryLocation) -> Error {
     let device = if location == MemoryLocation::GpuOnly { "the GPU" } else { "the host" };
-    Error::OutOfMemory { what: what.into(), bytes, device }
+    Error::OutOfMemory { what: what.into(), bytes, device, left: Left::Less }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::testing::with_device;
+
+    #[test]
+    fn memory_that_is_not_there_is_refused() {
+        with_device(|device| {
+            assert!(device.check_room("a picture", 1 << 20).is_ok());
+            let error = device.check_room("a picture", 1 << 60).unwrap_err();
+            let text = "a picture needs 1152921504606846976 bytes";
+            assert!(error.to_string().contains(text) && error.to_string().contains(" left)"), "{error}");
+        });
+    }
+
+    /// Against the system's own word, which other programs change meanwhile.
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn a_processor_has_what_the_system_has_left() {
+        with_device(|device| {
+            let text = std::fs::read_to_string("/proc/meminfo").unwrap();
+            let line = text.lines().find_map(|line| line.strip_prefix("MemAvailable:")).unwrap();
+            let available = line.trim().trim_end_matches(" kB").parse::<u64>().unwrap() * 1024;
+            let room = device.room();
+            let near = (available / 2..=available * 2).contains(&room);
+            assert!(near || !device.info().is_processor(), "{room} of {available}");
+        });
+    }
 }

@@ -2,7 +2,7 @@
 
 use super::Check;
 use crate::error::{Error, Result};
-use ash::{khr, vk};
+use ash::{ext, khr, vk};
 use serde::Serialize;
 use std::ffi::CStr;
 
@@ -172,6 +172,11 @@ pub(super) fn has_executables(instance: &ash::Instance, handle: vk::PhysicalDevi
     unsafe { instance.get_physical_device_features2(handle, &mut features) };
     let feature = executables.pipeline_executable_info == vk::TRUE;
     Ok(feature && missing_extensions(instance, handle, &extension)?.is_empty())
+}
+
+/// Can it be asked what its heaps have left?
+pub(super) fn has_memory_budget(instance: &ash::Instance, handle: vk::PhysicalDevice) -> Result<bool> {
+    Ok(missing_extensions(instance, handle, &[ext::memory_budget::NAME])?.is_empty())
 }
 
 fn missing_features(instance: &ash::Instance, handle: vk::PhysicalDevice) -> Vec<&'static str> {

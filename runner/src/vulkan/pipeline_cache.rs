@@ -5,7 +5,7 @@
 
 use super::Check;
 use crate::error::Result;
-use crate::{image_io, shader_library};
+use crate::{files, image_io, shader_library};
 use ash::vk;
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
@@ -72,7 +72,7 @@ fn sealed(data: &[u8]) -> Vec<u8> {
 
 /// What [`sealed`] was given; none, with a warning, if the file is broken; none if it is of other shaders or not there.
 fn read(file: &Path) -> Option<Vec<u8>> {
-    let bytes = std::fs::read(file).ok()?;
+    let bytes = files::bytes(file).ok()?;
     let opened = open(&bytes);
     if opened.is_none() {
         tracing::warn!("{}: broken, so pipelines are compiled again", file.display());

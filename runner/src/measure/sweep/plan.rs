@@ -189,11 +189,15 @@ impl Plan {
         if self.frames < 2 || self.replicas < 1 {
             return Err("frames: at least 2; replicas: at least 1".into());
         }
+        // Results are JSON, which has no others.
+        if !self.numbers().all(f64::is_finite) {
+            return Err("inf and nan are no numbers of a plan".into());
+        }
         self.steady.check()?;
         if self.times_only && self.accumulate.is_some() {
             return Err("times_only: there is nothing to accumulate without errors".into());
         }
-        if self.truth.part.is_nan() || self.truth.part <= 0.0 || self.truth.max_samples == 0 {
+        if self.truth.part <= 0.0 || self.truth.max_samples == 0 {
             return Err("truth: part and max_samples are above 0".into());
         }
         let names: Vec<_> = self.scenes.iter().map(|s| s.name.as_str()).collect();
@@ -204,7 +208,7 @@ impl Plan {
             }
         }
         if let Some(accumulate) = &self.accumulate
-            && (accumulate.ms.is_nan() || accumulate.ms <= 0.0 || accumulate.frames == 0)
+            && (accumulate.ms <= 0.0 || accumulate.frames == 0)
         {
             return Err("accumulate: ms and frames are above 0".into());
         }
@@ -220,6 +224,14 @@ impl Plan {
             _ => self.points()?,
         };
         Ok(())
+    }
+
+    /// Those that a plan may give as anything, knobs aside.
+    fn numbers(&self) -> impl Iterator<Item = f64> {
+        let SteadyPlan { ms, window_ms, within, max_ms } = self.steady;
+        let TruthPlan { max_rays, error, part, .. } = self.truth;
+        let accumulated = self.accumulate.iter().flat_map(|a| a.targets.iter().copied().chain([a.ms]));
+        [ms, window_ms, within, max_ms, max_rays, error, part].into_iter().chain(accumulated)
     }
 
     pub fn size(&self) -> UVec2 {
@@ -414,6 +426,9 @@ mod tests {
             ("size = [8, 8]", "size = [8, 8]\naccumulate = { ms = 0 }", "above 0"),
             ("size = [8, 8]", "size = [8, 8]\ntruth = { part = 0.0 }", "above 0"),
             ("size = [8, 8]", "size = [8, 8]\nsteady = { within = 0.0 }", "within"),
+            ("size = [8, 8]", "size = [8, 8]\ntruth = { error = nan }", "inf and nan"),
+            ("size = [8, 8]", "size = [8, 8]\naccumulate = { ms = inf }", "inf and nan"),
+            ("size = [8, 8]", "size = [8, 8]\naccumulate = { ms = 1, targets = [nan] }", "inf and nan"),
             ("size = [8, 8]", "size = [8, 8]\ntimes_only = true\naccumulate = { ms = 1 }", "times_only"),
         ] {
             assert!(SMALL.contains(from), "{from}");

@@ -3,7 +3,7 @@
 use super::point::Measurement;
 use super::truth::Truth;
 use crate::error::{Error, Result};
-use crate::image_io;
+use crate::{files, image_io};
 use crate::measure::mean::Mean;
 use crate::scene::SceneDescription;
 use glam::UVec2;
@@ -25,7 +25,7 @@ impl Store {
 
     /// A finished point; none if there is none, or none that can be read.
     pub fn point(&self, key: &str) -> Option<Measurement> {
-        let bytes = std::fs::read(self.path("point", key, "json")).ok()?;
+        let bytes = files::bytes(&self.path("point", key, "json")).ok()?;
         serde_json::from_slice(&bytes).ok()
     }
 
@@ -34,7 +34,7 @@ impl Store {
     }
 
     pub fn truth(&self, key: &str) -> Option<Truth> {
-        let bytes = std::fs::read(self.path("truth", key, "json")).ok()?;
+        let bytes = files::bytes(&self.path("truth", key, "json")).ok()?;
         let about = serde_json::from_slice(&bytes).ok()?;
         let (size, radiance) = image_io::read_exr(&self.path("truth", key, "exr")).ok()?;
         Some(Truth { size, radiance, about })
@@ -42,7 +42,7 @@ impl Store {
 
     /// What a truth of `size` goes on from.
     pub fn truth_state(&self, key: &str, size: UVec2) -> Option<Mean> {
-        Mean::from_bytes(size, &std::fs::read(self.path("truth", key, "mean")).ok()?)
+        Mean::from_bytes(size, &files::bytes(&self.path("truth", key, "mean")).ok()?)
     }
 
     /// The numbers last: a truth that has them has its picture. A truth that is exact has no `state`.
