@@ -1,12 +1,35 @@
 //! A slice of `cargo xtask fuzz` with a fixed seed, and faults that it must find.
 
-use std::path::PathBuf;
+use candela::knobs::Knobs;
+use candela::measure::sweep::plan::Plan;
+use candela::scene::{EnvironmentSource, environment, gltf};
+use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 fn fuzz(name: &str, arguments: &[&str]) -> (Output, PathBuf) {
     let folder = std::env::temp_dir().join(format!("candela-fuzzing-{name}-{}", std::process::id()));
     let mut fuzz = Command::new(env!("CARGO_BIN_EXE_fuzz"));
     (fuzz.args(arguments).arg("-o").arg(&folder).output().expect("it runs"), folder)
+}
+
+/// What is changed is right before: else the readers' first check is all that is tried.
+#[test]
+fn files_of_the_corpus_are_right() {
+    let files = |folder: &str| {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/corpus").join(folder);
+        let paths: Vec<PathBuf> = folder.read_dir().expect("the folder is there").map(|e| e.unwrap().path()).collect();
+        assert!(!paths.is_empty());
+        paths
+    };
+    for path in files("gltf") {
+        let scene = gltf::load(&path).unwrap_or_else(|error| panic!("{error}"));
+        assert!(!scene.instances.is_empty() && !scene.lights.is_empty() && !scene.textures.is_empty(), "{scene:?}");
+    }
+    for path in files("environment") {
+        environment::load(&EnvironmentSource::new(path)).unwrap_or_else(|error| panic!("{error}"));
+    }
+    files("settings").iter().for_each(|path| drop(Knobs::read(path).unwrap_or_else(|error| panic!("{error}"))));
+    files("plan").iter().for_each(|path| drop(Plan::read(path).unwrap_or_else(|error| panic!("{error}"))));
 }
 
 /// Files of faults stay for who wants to look at them.
