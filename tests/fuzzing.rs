@@ -17,18 +17,24 @@ fn fuzz(name: &str, arguments: &[&str]) -> (Output, PathBuf) {
 fn files_of_the_corpus_are_right() {
     let files = |folder: &str| {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/corpus").join(folder);
-        let paths: Vec<PathBuf> = folder.read_dir().expect("the folder is there").map(|e| e.unwrap().path()).collect();
+        let paths: Vec<PathBuf> =
+            folder.read_dir().expect("the folder is there").map(|e| e.unwrap().path()).collect();
         assert!(!paths.is_empty());
         paths
     };
     for path in files("gltf") {
         let scene = gltf::load(&path).unwrap_or_else(|error| panic!("{error}"));
-        assert!(!scene.instances.is_empty() && !scene.lights.is_empty() && !scene.textures.is_empty(), "{scene:?}");
+        assert!(
+            !scene.instances.is_empty() && !scene.lights.is_empty() && !scene.textures.is_empty(),
+            "{scene:?}"
+        );
     }
     for path in files("environment") {
         environment::load(&EnvironmentSource::new(path)).unwrap_or_else(|error| panic!("{error}"));
     }
-    files("settings").iter().for_each(|path| drop(Knobs::read(path).unwrap_or_else(|error| panic!("{error}"))));
+    files("settings")
+        .iter()
+        .for_each(|path| drop(Knobs::read(path).unwrap_or_else(|error| panic!("{error}"))));
     files("plan").iter().for_each(|path| drop(Plan::read(path).unwrap_or_else(|error| panic!("{error}"))));
 }
 

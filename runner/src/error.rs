@@ -40,9 +40,7 @@ pub enum Error {
     #[error("no Vulkan device can trace rays{}; `cargo xtask setup` installs a software one", seen_devices(.seen))]
     NoDevice { seen: Vec<String> },
 
-    #[error(
-        "out of memory: {what} needs {bytes} bytes ({device} has {left}); use a smaller --size or scene"
-    )]
+    #[error("out of memory: {what} needs {bytes} bytes ({device} has {left}); use a smaller --size or scene")]
     OutOfMemory { what: String, bytes: u64, device: &'static str, left: Left },
 
     #[error("can't start a thread to {to}: {source}")]

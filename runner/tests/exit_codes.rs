@@ -33,7 +33,8 @@ fn pipes_are_no_input() {
     let folder = std::env::temp_dir().join(format!("candela-pipes-{}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();
     let path = |name: &str| folder.join(name).to_string_lossy().into_owned();
-    let pipes = ["a.glb", "a.gltf", "a.bin", "a.png", "a.hdr", "a.exr", "a.json", "a.toml", "a.md", "points.json"];
+    let pipes =
+        ["a.glb", "a.gltf", "a.bin", "a.png", "a.hdr", "a.exr", "a.json", "a.toml", "a.md", "points.json"];
     assert!(Command::new("mkfifo").args(pipes.map(path)).status().expect("mkfifo").success());
     let json = r#"{"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
         "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],

@@ -97,7 +97,9 @@ impl Device {
             properties = properties.push_next(&mut budget);
         }
         // SAFETY: the device is of this instance, and has the extension whose structure is asked for.
-        unsafe { self.instance().get_physical_device_memory_properties2(self.physical_device(), &mut properties) };
+        unsafe {
+            self.instance().get_physical_device_memory_properties2(self.physical_device(), &mut properties)
+        };
         let heaps = properties.memory_properties;
         let largest = heaps.memory_heaps_as_slice().iter().map(|heap| heap.size).max().unwrap_or(0);
         if memory.has_budget && self.info().is_processor() {

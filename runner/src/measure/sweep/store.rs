@@ -3,9 +3,9 @@
 use super::point::Measurement;
 use super::truth::Truth;
 use crate::error::{Error, Result};
-use crate::{files, image_io};
 use crate::measure::mean::Mean;
 use crate::scene::SceneDescription;
+use crate::{files, image_io};
 use glam::UVec2;
 use serde::Serialize;
 use sha2::{Digest, Sha256};
