@@ -32,10 +32,12 @@ fn files_of_the_corpus_are_right() {
     for path in files("environment") {
         environment::load(&EnvironmentSource::new(path)).unwrap_or_else(|error| panic!("{error}"));
     }
-    files("settings")
-        .iter()
-        .for_each(|path| drop(Knobs::read(path).unwrap_or_else(|error| panic!("{error}"))));
-    files("plan").iter().for_each(|path| drop(Plan::read(path).unwrap_or_else(|error| panic!("{error}"))));
+    for path in files("settings") {
+        Knobs::read(&path).unwrap_or_else(|error| panic!("{error}"));
+    }
+    for path in files("plan") {
+        Plan::read(&path).unwrap_or_else(|error| panic!("{error}"));
+    }
 }
 
 /// Files of faults stay for who wants to look at them.
