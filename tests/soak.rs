@@ -156,8 +156,8 @@ fn five_hundred_frames() {
     };
     for (what, change) in [
         ("pixels", (|i, round| round.not_finite += usize::from(i == 7)) as fn(usize, &mut Round)),
-        ("light", |_, round| round.light *= 0.97),
-        ("drift", |i, round| round.light *= 1.0 + 0.005 * (i as f64 - 9.5)),
+        ("light", |_, round| round.light *= 0.94),
+        ("drift", |i, round| round.light *= 1.0 + 0.01 * (i as f64 - 9.5)),
         ("device memory", |i, round| round.device += 256 * i as u64),
         ("heap", |i, round| round.heap += 64 * (i * FRAMES as usize)),
         ("process", |i, round| round.process += (1 << 20) * i * usize::from(round.process > 0)),
