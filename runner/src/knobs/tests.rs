@@ -68,7 +68,7 @@ fn mistakes_are_one_line_that_names_them() {
         (r#"{"bsdf_candidates": 5}"#, "bsdf_candidates: 5 is not in 0..=4"),
         (r#"{"iterations": 9}"#, "iterations"),
         (r#"{"radius": 0}"#, "radius: 0 is not a number above 0"),
-        (r#"{"radius": 1e99}"#, "radius"),
+        (r#"{"radius": 1e99}"#, "out of range"),
         (r#"{"normal_threshold": 181}"#, "normal_threshold: 181 is more than 180 degrees"),
         (r#"{"mode": "magic"}"#, "magic"),
         (r#"{"primary": "guess"}"#, "guess"),
