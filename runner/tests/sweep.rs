@@ -167,7 +167,7 @@ fn swept(folder: &Path, plan: &str) -> Option<(String, serde_json::Value)> {
 }
 
 const TINY: &str = "title = 'x'\nsize = [24, 16]\nwarm_up = 0\nframes = 2\nreplicas = 2\nSWITCH\n\
-    steady = { ms = 0, window_ms = 0, within = 10, max_ms = 1000 }\n[[scene]]\nname = 'here'\nsource = 'knot'\nlights = [5]\n\
+    steady = { ms = 0, window_ms = 0, within = 10, max_ms = 60000 }\n[[scene]]\nname = 'here'\nsource = 'knot'\nlights = [5]\n\
     [[series]]\nname = 'one'\nsettings = { candidates = 128, temporal = false, spatial = false }\n";
 
 /// A truth of frames with noise of their own, which begins far too coarse: it goes on until it is good enough for what it
