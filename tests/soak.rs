@@ -22,8 +22,8 @@ const FRAMES: u32 = 25;
 const SECONDS: f64 = 2.0;
 /// Rounds in which allocators and caches come to rest.
 const WARM_UP: usize = 4;
-/// Student's t of 15 degrees of freedom and more: each of the two tests of a run alarms falsely in 1e-4 of all runs. Rounds of
-/// the long run are correlated by LAG with their neighbors, which makes that SIX.
+/// Student's t of 15 degrees of freedom: each of the two tests of a run alarms falsely in 1e-4 of all runs where rounds are
+/// independent. Neighbors share the history of some frames: were they correlated by 0.2, it would be 7e-4.
 const T_LIMIT: f64 = 5.2;
 /// What a round may leave on the heap, bytes, and 10,000 frames in the process, driver included.
 const HEAP_SLACK: usize = 16 << 10;
