@@ -17,8 +17,7 @@ use tests::scenes::{camera, emitter, scene, square};
 
 /// A frame with these `settings`.
 fn frame_options(settings: Settings) -> FrameOptions {
-    let (work, primary) = (Work::Restir(settings), Primary::default());
-    FrameOptions { work, primary, seed: 5, exposure: 1.0, background: Vec3::ZERO }
+    FrameOptions::new(Work::Restir(settings), Primary::default(), 5)
 }
 
 const SIZE: UVec2 = UVec2::new(48, 32);

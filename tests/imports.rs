@@ -25,12 +25,13 @@ const ROOMS: [&str; 16] = [
 ];
 
 /// A library, and the rooms that may name it.
-const LIBRARIES: [(&str, &[&str]); 12] = [
+const LIBRARIES: [(&str, &[&str]); 13] = [
     ("ash_window", &["vulkan"]),
     ("clap", &["cli"]),
     ("egui", &["viewer"]),
     ("egui_ash_renderer", &["viewer"]),
     ("egui_winit", &["viewer"]),
+    ("exr", &["image_io"]),
     ("gltf", &["scene"]),
     ("gpu_allocator", &["vulkan", "viewer"]),
     ("indicatif", &["cli"]),

@@ -31,10 +31,9 @@ struct Seen {
 
 fn see(renderer: &mut Renderer, camera: Camera, primary: Primary) -> Seen {
     renderer.restart();
-    let work = Work::Reference { lights: 0 };
-    let options = FrameOptions { work, primary, seed: SEED, exposure: 1.0, background: Vec3::ZERO };
+    let options = FrameOptions::new(Work::Reference { lights: 0 }, primary, SEED);
     renderer.render(camera, &options).expect("the frame renders");
-    let gbuffer: Vec<GBufferTexel> = renderer.parts().1.gbuffer().read_vec().expect("it is read back");
+    let gbuffer = renderer.gbuffer().expect("it is read back");
     let triangles = match primary {
         Primary::Raster => {
             let stored: Vec<UVec2> = renderer.read(Resource::visibility).expect("it is read back");

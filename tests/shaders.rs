@@ -5,7 +5,7 @@ use rspirv::spirv::{ExecutionModel, StorageClass};
 use shader_builder::manifest::{Manifest, Toolchain};
 use shared::interface::{HitPayload, PassConstants, ShadowPayload, WORKGROUP};
 use shared::passes::{Pass, Rays, Stage};
-use shared::resources::{Binding, Resource, set};
+use shared::resources::{Binding, set};
 use std::collections::BTreeSet;
 use std::path::Path;
 use std::process::Command;
@@ -83,27 +83,27 @@ fn every_module_has_its_entry_point() {
     }
 }
 
-/// What a buffer's elements are made of. One letter a scalar, in memory order.
-fn scalars(resource: Resource) -> &'static str {
-    match resource {
-        Resource::instances => "fffufffufffufffffffffffffu",
-        Resource::positions | Resource::radiance | Resource::mean | Resource::reference => "fff",
-        Resource::attributes => "uuffu",
-        Resource::indices | Resource::display | Resource::hits | Resource::tile_points => "u",
-        Resource::materials => "ffffffffffffffuuuuuffffffuffffffuffffffuffffffu",
-        Resource::second_uvs => "ff",
-        Resource::lights | Resource::previous_lights => "fffufffuffffffff",
-        Resource::environment => "fffu",
-        Resource::alias => "uuff",
-        Resource::gbuffer => "uuuuuuuu",
-        Resource::reservoirs => "uuff",
-        Resource::pair_targets => "ffu",
-        Resource::statistics => "fff",
-        Resource::rays => "fffufffu",
-        Resource::tile_entries => "fffuuufu",
-        Resource::visibility => "uu",
-        Resource::motions => "fffffffffffffffu",
-        Resource::previous_to_current | Resource::current_to_previous => "u",
+/// What elements of buffers are made of. One letter a scalar, in memory order.
+fn scalars(element: &str) -> &'static str {
+    match element {
+        "u32" => "u",
+        "UVec2" => "uu",
+        "Vec2" => "ff",
+        "Vec3" => "fff",
+        "AliasEntry" => "uuff",
+        "BlockSums" => "fff",
+        "EnvironmentTexel" => "fffu",
+        "GBufferTexel" => "uuuuuuuu",
+        "InstanceGeometry" => "fffufffufffufffffffffffffu",
+        "InstanceMotion" => "fffffffffffffffu",
+        "Light" => "fffufffuffffffff",
+        "Material" => "ffffffffffffffuuuuuffffffuffffffuffffffuffffffu",
+        "PairTargets" => "ffu",
+        "StoredRay" => "fffufffu",
+        "StoredReservoir" => "uuff",
+        "TileEntry" => "fffuuufu",
+        "VertexAttributes" => "uuffu",
+        _ => panic!("what is {element} made of?"),
     }
 }
 
@@ -116,7 +116,7 @@ fn buffers_have_the_layout_of_their_structs() {
     for &(stem, code) in shader_library::MODULES {
         for (place, layout) in Spirv::parse(code).bindings() {
             let Some(binding) = bound_at(place) else { continue };
-            let (scalars, size) = (scalars(binding.resource()), binding.resource().stride());
+            let (scalars, size) = (scalars(binding.resource().element()), binding.resource().stride());
             let layout = layout.unwrap_or_else(|| panic!("{stem}: {binding:?} is no buffer"));
             let expected = Layout { scalars: scalars.into(), dense: true, stride: Some(size as u32) };
             assert_eq!(layout, expected, "{stem}: {binding:?}");

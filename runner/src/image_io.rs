@@ -2,6 +2,9 @@
 
 use crate::error::{Error, Result};
 use crate::files;
+use exr::image::write::WritableImage;
+use exr::image::{AnyChannel, AnyChannels, Encoding, FlatSamples, Layer};
+use exr::meta::header::LayerAttributes;
 use glam::{UVec2, Vec3};
 use image::{ImageFormat, ImageReader, Rgb, Rgb32FImage, RgbaImage};
 use std::io::{self, Cursor};
@@ -70,6 +73,26 @@ pub fn write_exr(path: &Path, size: UVec2, radiance: &[Vec3]) -> Result<()> {
     picture
         .write_to(&mut encoded, ImageFormat::OpenExr)
         .map_err(|e| Error::write(path)(io::Error::other(e)))?;
+    replace(path, encoded.get_ref())
+}
+
+/// A number of each pixel, rows from the top: `R`, or `albedo.R` of a layer.
+pub struct Channel(AnyChannel<FlatSamples>);
+
+impl Channel {
+    pub fn new(name: &str, values: Vec<f32>) -> Self {
+        Channel(AnyChannel::new(name, FlatSamples::F32(values)))
+    }
+}
+
+/// Writes an EXR file of channels. Who knows no layers finds R, G and B in it.
+pub fn write_channels(path: &Path, size: UVec2, channels: Vec<Channel>) -> Result<()> {
+    let channels = AnyChannels::sort(channels.into_iter().map(|channel| channel.0).collect());
+    let size = (size.x as usize, size.y as usize);
+    let layer = Layer::new(size, LayerAttributes::default(), Encoding::SMALL_LOSSLESS, channels);
+    let mut encoded = Cursor::new(Vec::new());
+    let written = exr::image::Image::from_layer(layer).write().non_parallel().to_buffered(&mut encoded);
+    written.map_err(|e| Error::write(path)(io::Error::other(e)))?;
     replace(path, encoded.get_ref())
 }
 

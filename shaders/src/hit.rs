@@ -73,29 +73,45 @@ impl Transparency<'_> {
     }
 }
 
-/// An any-hit shader of rays with this payload: a masked or blended triangle lets them pass or not.
-macro_rules! any_hit {
-    ($stem:ident $name:tt $payload:ty) => {
-        #[spirv(any_hit(entry_point_name = $name))]
-        pub fn $stem(
-            #[spirv(incoming_ray_payload)] payload: &mut $payload,
-            #[spirv(hit_attribute)] barycentrics: &Vec2,
-            #[spirv(instance_custom_index)] instance: usize,
-            #[spirv(ray_geometry_index)] geometry: usize,
-            #[spirv(primitive_id)] primitive: usize,
+/// An entry point that decides over a transparent hit: parameters of its own, then the buffers of [`Transparency`], which its
+/// body gets as `$scene` with the textures.
+macro_rules! transparency {
+    ($(#[$meta:meta])* $name:ident($($own:tt)*) |$scene:ident, $textures:ident| $body:block) => {
+        $(#[$meta])*
+        pub fn $name(
+            $($own)*
             #[spirv(spec_constant(id = 0, default = 0))] features: u32,
             #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] instances: &[InstanceGeometry],
             #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] attributes: &[VertexAttributes],
             #[spirv(storage_buffer, descriptor_set = 0, binding = 4)] indices: &[u32],
             #[spirv(storage_buffer, descriptor_set = 0, binding = 5)] materials: &[Material],
             #[spirv(storage_buffer, descriptor_set = 0, binding = 8)] second_uvs: &[Vec2],
-            #[spirv(descriptor_set = 0, binding = 10)] textures: &Textures,
+            #[spirv(descriptor_set = 0, binding = 10)] $textures: &Textures,
         ) {
-            let scene = Transparency { features, instances, attributes, indices, materials, second_uvs };
-            let instance = (instance + geometry) as u32;
-            if scene.lets_through(textures, instance, primitive as u32, *barycentrics, payload.key) {
-                // SAFETY: this is an any-hit shader.
-                unsafe { ignore_intersection() }
+            let $scene = Transparency { features, instances, attributes, indices, materials, second_uvs };
+            $body
+        }
+    };
+}
+pub(crate) use transparency;
+
+/// An any-hit shader of rays with this payload: a masked or blended triangle lets them pass or not.
+macro_rules! any_hit {
+    ($stem:ident $name:tt $payload:ty) => {
+        transparency! {
+            #[spirv(any_hit(entry_point_name = $name))]
+            $stem(
+                #[spirv(incoming_ray_payload)] payload: &mut $payload,
+                #[spirv(hit_attribute)] barycentrics: &Vec2,
+                #[spirv(instance_custom_index)] instance: usize,
+                #[spirv(ray_geometry_index)] geometry: usize,
+                #[spirv(primitive_id)] primitive: usize,
+            ) |scene, textures| {
+                let instance = (instance + geometry) as u32;
+                if scene.lets_through(textures, instance, primitive as u32, *barycentrics, payload.key) {
+                    // SAFETY: this is an any-hit shader.
+                    unsafe { ignore_intersection() }
+                }
             }
         }
     };

@@ -13,23 +13,12 @@ pub mod visibility;
 
 use crate::textures::Textures;
 use crate::trace::{Eye, Nearest, Previous, Traced};
-use shared::alias_table::AliasEntry;
-use shared::environment::EnvironmentTexel;
 use shared::frame::FrameConstants;
-use shared::geometry::{InstanceGeometry, VertexAttributes};
-use shared::glam::{UVec2, UVec3, Vec2, Vec3};
+use shared::glam::UVec3;
 use shared::interface::{HitPayload, PassConstants, ShadowPayload};
-use shared::light::Light;
-use shared::light::tile::TileEntry;
-use shared::material::Material;
-use shared::motion::InstanceMotion;
-use shared::passes::pair_targets::PairTargets;
 use shared::passes::{Assumed, At, Silent};
-use shared::reservoir::StoredReservoir;
 use shared::resources::Extent;
-use shared::statistics::BlockSums;
-use shared::stored_ray::StoredRay;
-use shared::surface::GBufferTexel;
+use shared::resources::element::*;
 use spirv_std::ray_tracing::AccelerationStructure;
 use spirv_std::spirv;
 
@@ -37,8 +26,8 @@ use spirv_std::spirv;
 mod body {
     pub use crate::primary::{gbuffer, gbuffer_raster, roofline_primary};
     pub use shared::passes::{
-        accumulate, initial, pair_merge, pair_targets, presample, reference, roofline_copy, roofline_shadow,
-        shade, spatial, statistics, temporal, tonemap, view,
+        accumulate, initial, pair_merge, pair_targets, presample, reference, reference_parts, resolve,
+        roofline_copy, roofline_shadow, shade, shade_parts, spatial, statistics, temporal, tonemap, view,
     };
 }
 

@@ -1,6 +1,6 @@
 //! Pass 0 of frames that are not traced from the eye: which triangle each pixel sees, drawn by the graphics pipeline.
 
-use crate::hit::Transparency;
+use crate::hit::{Transparency, transparency};
 use crate::textures::Textures;
 use shared::alpha;
 use shared::frame::FrameConstants;
@@ -11,40 +11,39 @@ use shared::raster;
 use spirv_std::arch::kill;
 use spirv_std::spirv;
 
-/// A corner of an opaque triangle: the draw's first instance is the geometry, and vertices are counted through its triangles.
-#[spirv(vertex(entry_point_name = "visibility_vertex"))]
-pub fn visibility_vertex(
-    #[spirv(vertex_index)] vertex: u32,
-    #[spirv(instance_index)] instance: u32,
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] instances: &[InstanceGeometry],
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] positions: &[Vec3],
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 4)] indices: &[u32],
-    #[spirv(uniform, descriptor_set = 1, binding = 0)] frame: &FrameConstants,
-    #[spirv(position)] place: &mut Vec4,
-    #[spirv(flat)] triangle: &mut UVec2,
-) {
-    let geometry = instances[instance as usize];
-    let corner = raster::Corner::new(&geometry, vertex);
-    let position = positions[(geometry.first_vertex + indices[corner.index(&geometry) as usize]) as usize];
-    *place = geometry.clip(&frame.camera, position);
-    *triangle = raster::stored(instance, corner.primitive);
+/// A vertex shader: the draw's first instance is the geometry, and vertices are counted through its triangles.
+macro_rules! vertex {
+    ($(#[$doc:meta])* $stem:ident $name:tt ($($barycentrics:ident)?)) => {
+        $(#[$doc])*
+        #[spirv(vertex(entry_point_name = $name))]
+        pub fn $stem(
+            #[spirv(vertex_index)] vertex: u32,
+            #[spirv(instance_index)] instance: u32,
+            #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] instances: &[InstanceGeometry],
+            #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] positions: &[Vec3],
+            #[spirv(storage_buffer, descriptor_set = 0, binding = 4)] indices: &[u32],
+            #[spirv(uniform, descriptor_set = 1, binding = 0)] frame: &FrameConstants,
+            #[spirv(position)] place: &mut Vec4,
+            #[spirv(flat)] triangle: &mut UVec2,
+            $($barycentrics: &mut Vec2,)?
+        ) {
+            let geometry = instances[instance as usize];
+            let corner = raster::Corner::new(&geometry, vertex);
+            let index = geometry.first_vertex + indices[corner.index(&geometry) as usize];
+            *place = geometry.clip(&frame.camera, positions[index as usize]);
+            *triangle = raster::stored(instance, corner.primitive);
+            $(*$barycentrics = corner.barycentrics();)?
+        }
+    };
 }
 
-/// A corner of a masked or blended triangle.
-#[spirv(vertex(entry_point_name = "visibility_alpha_vertex"))]
-pub fn visibility_alpha_vertex(
-    #[spirv(vertex_index)] vertex: u32,
-    #[spirv(instance_index)] instance: u32,
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] instances: &[InstanceGeometry],
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] positions: &[Vec3],
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 4)] indices: &[u32],
-    #[spirv(uniform, descriptor_set = 1, binding = 0)] frame: &FrameConstants,
-    #[spirv(position)] place: &mut Vec4,
-    #[spirv(flat)] triangle: &mut UVec2,
-    barycentrics: &mut Vec2,
-) {
-    visibility_vertex(vertex, instance, instances, positions, indices, frame, place, triangle);
-    *barycentrics = raster::Corner::new(&instances[instance as usize], vertex).barycentrics();
+vertex! {
+    /// A corner of an opaque triangle.
+    visibility_vertex "visibility_vertex" ()
+}
+vertex! {
+    /// A corner of a masked or blended triangle.
+    visibility_alpha_vertex "visibility_alpha_vertex" (barycentrics)
 }
 
 /// A pixel of an opaque triangle.
@@ -53,28 +52,22 @@ pub fn visibility(#[spirv(flat)] triangle: UVec2, seen: &mut UVec2) {
     *seen = triangle;
 }
 
-/// A pixel of a masked or blended triangle, which the pixel's ray may go through.
-#[spirv(fragment(entry_point_name = "visibility_alpha"))]
-pub fn visibility_alpha(
-    #[spirv(flat)] triangle: UVec2,
-    barycentrics: Vec2,
-    #[spirv(frag_coord)] place: Vec4,
-    #[spirv(spec_constant(id = 0, default = 0))] features: u32,
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] instances: &[InstanceGeometry],
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] attributes: &[VertexAttributes],
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 4)] indices: &[u32],
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 5)] materials: &[Material],
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 8)] second_uvs: &[Vec2],
-    #[spirv(descriptor_set = 0, binding = 10)] textures: &Textures,
-    #[spirv(uniform, descriptor_set = 1, binding = 0)] frame: &FrameConstants,
-    seen: &mut UVec2,
-) {
-    let scene = Transparency { features, instances, attributes, indices, materials, second_uvs };
-    let key = alpha::primary_key(frame, place.xy().as_uvec2());
-    if let Some((instance, primitive)) = raster::triangle(triangle)
-        && scene.lets_through(textures, instance, primitive, barycentrics, key)
-    {
-        kill();
+transparency! {
+    /// A pixel of a masked or blended triangle, which the pixel's ray may go through.
+    #[spirv(fragment(entry_point_name = "visibility_alpha"))]
+    visibility_alpha(
+        #[spirv(flat)] triangle: UVec2,
+        barycentrics: Vec2,
+        #[spirv(frag_coord)] place: Vec4,
+        #[spirv(uniform, descriptor_set = 1, binding = 0)] frame: &FrameConstants,
+        seen: &mut UVec2,
+    ) |scene, textures| {
+        let key = alpha::primary_key(frame, place.xy().as_uvec2());
+        if let Some((instance, primitive)) = raster::triangle(triangle)
+            && scene.lets_through(textures, instance, primitive, barycentrics, key)
+        {
+            kill();
+        }
+        *seen = triangle;
     }
-    *seen = triangle;
 }

@@ -11,8 +11,8 @@ use glam::{UVec2, UVec4};
 
 /// Key of rays that only what is surely in the way may stop: every blended surface with alpha below 1 lets them through.
 ///
-/// Rays that decide over *reuse* (a reservoir's fate, a mixture weight) must not draw lots: the final shadow ray draws
-/// again, and light would be attenuated twice.
+/// Rays that decide over *reuse* (a reservoir's fate, a mixture weight) must not take stochastic alpha: the final shadow ray
+/// does, and light would be attenuated twice.
 pub const SURE_HITS_ONLY: u32 = 0;
 
 /// A ray's key from random bits: never [`SURE_HITS_ONLY`].
@@ -54,7 +54,7 @@ mod tests {
         }
     }
 
-    /// Binomial: 2^16 lots each, |z| < 4.9 is a false alarm in 1e-6 (fixed keys, so: now or never).
+    /// Binomial: 2^16 draws each, |z| < 4.9 is a false alarm in 1e-6 (fixed keys, so: now or never).
     #[test]
     fn blended_hits_count_with_probability_alpha() {
         const N: u32 = 1 << 16;

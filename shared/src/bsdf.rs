@@ -10,6 +10,7 @@ mod sampling_tests;
 use crate::material::Reflectance;
 use crate::math::{basis, luminance, normalize_or, safe_ratio};
 use crate::pdf::PdfSolidAngle;
+use crate::reflected::Reflected;
 use crate::sampling::{cap_direction, square_to_disk};
 use core::f32::consts::FRAC_1_PI;
 use glam::{Vec2, Vec3};
@@ -23,17 +24,17 @@ pub const MIN_ALPHA: f32 = 1e-3;
 ///
 /// f = (1 - F) diffuse/π + F D V with Schlick's F at (wi·h), GGX D, height-correlated Smith V
 /// (glTF 2.0 appendix B.3; Heitz 2014, eq. 99).
-pub fn eval(reflectance: &Reflectance, n: Vec3, wo: Vec3, wi: Vec3) -> Vec3 {
+pub fn eval<L: Reflected>(reflectance: &Reflectance, n: Vec3, wo: Vec3, wi: Vec3) -> L {
     let cos_o = n.dot(wo);
     let cos_i = n.dot(wi);
     if !((cos_o > 0.0) & (cos_i > 0.0)) {
-        return Vec3::ZERO;
+        return L::default();
     }
     let half = wo + wi;
     // wi·h = |wo + wi| / 2 for unit directions.
     let fresnel = schlick(reflectance.f0, 0.5 * half.length());
     let specular = specular(n, half, cos_o, cos_i, alpha(reflectance));
-    (Vec3::ONE - fresnel) * reflectance.diffuse * FRAC_1_PI + fresnel * specular
+    L::from_lobes(reflectance.diffuse, fresnel, specular)
 }
 
 /// F = f0 + (1 - f0)(1 - cosθ)^5 (Schlick 1994).
@@ -122,6 +123,10 @@ fn visible_normal_density(n: Vec3, half: Vec3, cos_o: f32, alpha: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn eval(reflectance: &Reflectance, n: Vec3, wo: Vec3, wi: Vec3) -> Vec3 {
+        super::eval(reflectance, n, wo, wi)
+    }
 
     fn direction(cos: f32, phi: f32) -> Vec3 {
         let sin = (1.0 - cos * cos).max(0.0).sqrt();

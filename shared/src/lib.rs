@@ -50,6 +50,7 @@ pub mod passes;
 pub mod pdf;
 pub mod raster;
 pub mod ray_cone;
+pub mod reflected;
 pub mod resampling;
 pub mod reservoir;
 pub mod resources;

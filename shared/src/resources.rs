@@ -37,12 +37,32 @@ macro_rules! resources {
             (1    hits                 (u32)               1      Pixels      { hits = 14 })
             (1    visibility           (UVec2)             1      Pixels      { visibility = 15 })
             (1    pair_targets         (PairTargets)       0      Reservoirs  { pair_targets = 16 })
+            (1    emission             (Vec3)              1      Pixels      { emission = 17 })
+            (1    direct_diffuse       (Vec3)              1      Pixels      { direct_diffuse = 18 })
+            (1    direct_specular      (Vec3)              1      Pixels      { direct_specular = 19 })
             (2    previous_lights      (Light)             1      Scene       { previous_lights = 1 })
             (2    motions              (InstanceMotion)    1      Scene       { motions = 2 })
             (2    previous_to_current  (u32)               1      Scene       { previous_to_current = 3 })
             (2    current_to_previous  (u32)               1      Scene       { current_to_previous = 4 })
         }
     };
+}
+
+/// What buffers hold: the types of the table.
+pub mod element {
+    pub use crate::alias_table::AliasEntry;
+    pub use crate::environment::EnvironmentTexel;
+    pub use crate::geometry::{InstanceGeometry, VertexAttributes};
+    pub use crate::light::Light;
+    pub use crate::light::tile::TileEntry;
+    pub use crate::material::Material;
+    pub use crate::motion::InstanceMotion;
+    pub use crate::passes::pair_targets::PairTargets;
+    pub use crate::reservoir::StoredReservoir;
+    pub use crate::statistics::BlockSums;
+    pub use crate::stored_ray::StoredRay;
+    pub use crate::surface::GBufferTexel;
+    pub use glam::{UVec2, Vec2, Vec3};
 }
 
 /// Descriptor sets, and what is bound in them beside buffers.
@@ -101,6 +121,11 @@ macro_rules! declare {
                 match self { $(Resource::$buffer => Extent::$extent),* }
             }
 
+            /// Name of the elements' type.
+            pub const fn element(self) -> &'static str {
+                match self { $(Resource::$buffer => stringify!($element)),* }
+            }
+
             /// Bytes of an element.
             pub const fn stride(self) -> usize {
                 match self { $(Resource::$buffer => size_of::<$element>()),* }
@@ -152,19 +177,7 @@ macro_rules! declare {
 #[cfg(not(target_arch = "spirv"))]
 mod declared {
     use super::Extent;
-    use crate::alias_table::AliasEntry;
-    use crate::environment::EnvironmentTexel;
-    use crate::geometry::{InstanceGeometry, VertexAttributes};
-    use crate::light::Light;
-    use crate::light::tile::TileEntry;
-    use crate::material::Material;
-    use crate::motion::InstanceMotion;
-    use crate::passes::pair_targets::PairTargets;
-    use crate::reservoir::StoredReservoir;
-    use crate::statistics::BlockSums;
-    use crate::stored_ray::StoredRay;
-    use crate::surface::GBufferTexel;
-    use glam::{UVec2, Vec2, Vec3};
+    use super::element::*;
 
     resources!(declare);
 }

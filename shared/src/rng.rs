@@ -11,7 +11,7 @@ pub enum Stream {
     Temporal = 2,
     Spatial = 3,
     Reference = 4,
-    /// Lots that blended surfaces draw, for primary and for final shadow rays.
+    /// Stochastic alpha of blended surfaces: of primary rays, and in `Shade` of final shadow rays.
     Primary = 5,
     Shade = 6,
     /// Entries of light tiles, and which block takes which tile.

@@ -1,6 +1,7 @@
 //! What a finished reservoir contributes to its pixel.
 
-use crate::light::LightTable;
+use crate::light::{Incident, LightTable};
+use crate::reflected::Reflected;
 use crate::reservoir::StoredReservoir;
 use crate::shadow::ShadowRay;
 use crate::surface::Surface;
@@ -9,42 +10,51 @@ use glam::Vec3;
 
 /// Radiance that reaches the camera if `ray` meets nothing.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Contribution {
+pub struct Contribution<L = Vec3> {
     /// f Le G W, nit, linear RGB.
-    pub radiance: Vec3,
+    pub radiance: L,
     pub ray: ShadowRay,
 }
 
-impl Contribution {
+impl<L: Reflected> Contribution<L> {
+    /// f Le G `weight`.
+    pub fn new(surface: &Surface, incident: &Incident, weight: f32) -> Self {
+        Contribution {
+            radiance: unshadowed::<L>(surface, incident) * weight,
+            ray: ShadowRay::new(surface, incident),
+        }
+    }
+
     /// No ray is worth tracing for nothing.
     pub fn is_dark(&self) -> bool {
-        self.radiance == Vec3::ZERO
+        self.radiance == L::default()
     }
 }
 
 /// f Le G W of the survivor, and the ray that decides over it.
 ///
 /// Equation (10): Bitterli (6); thesis (4.17).
-pub fn contribution(surface: &Surface, lights: LightTable<'_>, reservoir: StoredReservoir) -> Contribution {
+pub fn contribution<L: Reflected>(
+    surface: &Surface,
+    lights: LightTable<'_>,
+    reservoir: StoredReservoir,
+) -> Contribution<L> {
     if reservoir.contribution_weight <= 0.0 {
         return Contribution::default();
     }
     let incident = lights.incident(reservoir.sample, surface.position);
-    Contribution {
-        radiance: unshadowed(surface, &incident) * reservoir.contribution_weight,
-        ray: ShadowRay::new(surface, &incident),
-    }
+    Contribution::new(surface, &incident, reservoir.contribution_weight)
 }
 
 /// Mean over the reservoirs of a pixel.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Average {
-    sum: Vec3,
+pub struct Average<L = Vec3> {
+    sum: L,
     count: f32,
 }
 
-impl Average {
-    pub fn add(&mut self, shaded: Contribution, visible: bool) {
+impl<L: Reflected> Average<L> {
+    pub fn add(&mut self, shaded: Contribution<L>, visible: bool) {
         self.count += 1.0;
         if visible {
             self.sum += shaded.radiance;
@@ -54,7 +64,7 @@ impl Average {
     /// Nit, linear RGB.
     ///
     /// Equation (29): Bitterli (7); thesis (4.17).
-    pub fn radiance(&self) -> Vec3 {
+    pub fn radiance(&self) -> L {
         self.sum / self.count.max(1.0)
     }
 }

@@ -3,19 +3,19 @@
 use crate::bsdf;
 use crate::light::Incident;
 use crate::math::luminance;
+use crate::reflected::Reflected;
 use crate::surface::Surface;
-use glam::Vec3;
 
 /// f(wo, wi) Le G without visibility: reflected radiance per measure of the light (nit/m² or nit), linear RGB.
 /// 0 for light from behind the surface, real or shaded.
 ///
 /// Equation (1): Bitterli (1), Bitterli (2); thesis (4.1), thesis (4.2).
-pub fn unshadowed(surface: &Surface, incident: &Incident) -> Vec3 {
+pub fn unshadowed<L: Reflected>(surface: &Surface, incident: &Incident) -> L {
     let cos = surface.normal.dot(incident.direction);
     if (surface.geometric_normal.dot(incident.direction) <= 0.0) | (cos <= 0.0) {
-        return Vec3::ZERO;
+        return L::default();
     }
-    bsdf::eval(&surface.reflectance, surface.normal, surface.wo, incident.direction)
+    bsdf::eval::<L>(&surface.reflectance, surface.normal, surface.wo, incident.direction)
         * incident.irradiance
         * cos
 }
@@ -32,7 +32,7 @@ mod tests {
     use super::*;
     use crate::light::Light;
     use crate::material::Reflectance;
-    use glam::Vec2;
+    use glam::{Vec2, Vec3};
 
     fn floor() -> Surface {
         Surface {
@@ -50,7 +50,7 @@ mod tests {
     #[test]
     fn overhead_point_light_in_closed_form() {
         let light = Light::point(Vec3::new(0.0, 2.0, 0.0), Vec3::splat(8.0));
-        let radiance = unshadowed(&floor(), &light.sample_li(Vec2::ZERO, Vec3::ZERO));
+        let radiance: Vec3 = unshadowed(&floor(), &light.sample_li(Vec2::ZERO, Vec3::ZERO));
         assert!((radiance - Vec3::splat(0.5 / core::f32::consts::PI * 8.0 / 4.0)).abs().max_element() < 1e-6);
         let target = target_function(&floor(), &light.sample_li(Vec2::ZERO, Vec3::ZERO));
         assert!((target - radiance.x).abs() < 1e-6);

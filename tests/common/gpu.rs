@@ -60,7 +60,12 @@ pub fn renderer(device: &Device, scene: &SceneDescription, size: UVec2, reservoi
 
 /// Options of a frame that is not shown.
 pub fn options(work: Work, seed: u32) -> FrameOptions {
-    FrameOptions { work, primary: Primary::default(), seed, exposure: 1.0, background: Vec3::ZERO }
+    FrameOptions::new(work, Primary::default(), seed)
+}
+
+/// Few candidates near by, so that means over runs settle soon; reuse twice in space and in time.
+pub fn small(mode: u32) -> Settings {
+    Settings { candidates: 8, radius: 8.0, spatial_iterations: 2, mode, ..Settings::default() }
 }
 
 /// Radiance of the last of `frames` ReSTIR frames of a still camera, from a fresh history.

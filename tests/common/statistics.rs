@@ -39,6 +39,20 @@ pub fn largest_z(a: &[(f64, f64)], b: &[(f64, f64)]) -> (f64, usize) {
     (0..a.len()).map(|i| (z(i), i)).fold((0.0, 0), |best, next| if next.0 > best.0 { next } else { best })
 }
 
+/// `means` are those of `truth`: no block is `limit` standard errors off.
+pub fn assert_means(name: &str, means: &[(f64, f64)], truth: &[(f64, f64)], limit: f64) {
+    let (z, block) = largest_z(means, truth);
+    println!("{name}: largest z {z:.2} in block {block}");
+    let [found, expected] = [means[block], truth[block]];
+    assert!(z < limit, "{name}: block {block} is off by {z} standard errors: {found:?} and not {expected:?}");
+}
+
+/// Means of blocks of pictures of `size` over so many runs, which have seeds from 1 on.
+pub fn replicas(count: u32, size: UVec2, run: impl FnMut(u32) -> Vec<Vec3>) -> Vec<(f64, f64)> {
+    let samples: Vec<_> = (1..=count).map(run).map(|picture| block_means(&picture, size)).collect();
+    mean_and_error(&samples)
+}
+
 /// Per-pixel test of two pictures, each known from independent samples. See [`compare_pixels`].
 pub struct PixelTest {
     /// Two-sided p-value of each pixel.

@@ -12,7 +12,7 @@ use crate::gpu_scene::GpuScene;
 use crate::scene::SceneDescription;
 use crate::vulkan::Device;
 use clap::Args;
-use glam::{UVec2, Vec3};
+use glam::UVec2;
 use shared::camera::Camera;
 
 #[derive(Args, Clone, Debug)]
@@ -63,13 +63,7 @@ pub fn run(args: &ExplainArgs) -> Result<()> {
     let gpu_scene = GpuScene::new(&device, &scene)?;
     let settings = knobs.settings(gpu_scene.light_count());
     let mut renderer = Renderer::new(&device, gpu_scene, args.size, settings.reservoirs)?;
-    let options = FrameOptions {
-        work: Work::Restir(settings),
-        primary: knobs.primary,
-        seed: args.seed,
-        exposure: 1.0,
-        background: Vec3::ZERO,
-    };
+    let options = FrameOptions::new(Work::Restir(settings), knobs.primary, args.seed);
 
     let before = args.frame.unwrap_or(args.frames - 1);
     let mut progress = Steps::new(before.into(), "frames before");

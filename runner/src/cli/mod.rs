@@ -1,5 +1,6 @@
 //! The command line.
 
+mod accumulation;
 pub mod args;
 mod compare;
 mod explain;

@@ -1,18 +1,18 @@
 //! `candela reference`: the truth, accumulated in f64.
 
+use super::accumulation::Accumulation;
 use super::args::{DeviceArgs, PictureArgs, SceneArgs, choice};
+use super::output::Picture;
 use super::progress::Steps;
 use super::{output, view};
 use crate::error::Result;
-use crate::frame::renderer::{FrameOptions, Renderer};
+use crate::frame::renderer::Renderer;
 use crate::frame::schedule::{Primary, Work};
 use crate::gpu_scene::GpuScene;
 use crate::image_io::PictureFormat;
-use crate::measure::mean::Mean;
 use crate::measure::sweep::truth::Lighting;
 use crate::vulkan::Device;
 use clap::Args;
-use glam::Vec3;
 
 #[derive(Args, Clone, Debug)]
 pub struct ReferenceArgs {
@@ -32,7 +32,7 @@ pub struct ReferenceArgs {
 }
 
 pub fn run(args: &ReferenceArgs) -> Result<()> {
-    let format = crate::image_io::check_writable(&args.picture.output)?;
+    let format = output::check(&args.picture.output, &args.picture)?;
     let mut scene = view::load_scene(&args.scene)?;
     view::pose(&mut scene, args.picture.time);
     let camera = view::camera(&scene, &args.picture)?;
@@ -42,33 +42,28 @@ pub fn run(args: &ReferenceArgs) -> Result<()> {
     let lights = lighting.lights;
     let samples = if lighting.is_exact() { 1 } else { args.samples };
     let mut renderer = Renderer::new(&device, gpu_scene, args.picture.size, 0)?;
-    let options = FrameOptions {
-        work: Work::Reference { lights },
-        primary: args.primary,
-        seed: args.picture.seed,
-        exposure: 1.0,
-        background: Vec3::ZERO,
-    };
+    let options = args.picture.options(Work::Reference { lights }, args.primary);
     let metered = match format {
         PictureFormat::Png => renderer.meter(camera, &options)?,
         PictureFormat::Exr => None,
     };
     let mut progress = Steps::new(samples.into(), "reference");
-    let mut mean = Mean::new(args.picture.size);
+    let mut accumulation = Accumulation::new(args.picture.size, options.parts);
     for _ in 0..samples {
         renderer.render(camera, &options)?;
-        mean.add(&renderer.radiance()?);
+        accumulation.add(&renderer)?;
         progress.step();
     }
     progress.end();
-    output::write(&args.picture, format, &mean.radiance(), metered)?;
+    let picture = Picture { frames: &accumulation, renderer: &renderer, camera, format };
+    picture.write(&args.picture, metered)?;
     println!("{}: {lights} lights, {samples} samples each", device.info().name);
     match samples {
         1 if lighting.is_exact() => println!("exact: no light has an extent"),
         1 => {}
         _ => println!(
             "standard error of the mean: {:.2e} of the mean luminance",
-            mean.relative_standard_error()
+            accumulation.radiance.relative_standard_error()
         ),
     }
     output::check_validation(&device)

@@ -1,20 +1,20 @@
 //! `candela render`: frames of ReSTIR, the last one or their mean as a picture.
 
+use super::accumulation::Accumulation;
 use super::args::values::positive;
 use super::args::{DeviceArgs, KnobArgs, PictureArgs, SceneArgs};
+use super::output::Picture;
 use super::progress::Steps;
 use super::{output, sequence, view};
 use crate::error::Result;
-use crate::frame::renderer::{FrameOptions, Renderer};
+use crate::frame::renderer::Renderer;
 use crate::frame::schedule::Work;
 use crate::gpu_scene::GpuScene;
 use crate::image_io::PictureFormat;
-use crate::measure::mean::Mean;
 use crate::measure::times::PassTimes;
 use crate::startup;
 use crate::vulkan::Device;
 use clap::Args;
-use glam::Vec3;
 use std::ops::Range;
 
 #[derive(Args, Clone, Debug)]
@@ -63,7 +63,7 @@ pub fn run(args: &RenderArgs) -> Result<()> {
 }
 
 fn still(args: &RenderArgs, frames: u32) -> Result<()> {
-    let format = crate::image_io::check_writable(&args.picture.output)?;
+    let format = output::check(&args.picture.output, &args.picture)?;
     let knobs = args.knobs.knobs()?;
     let mut scene = view::load_scene(&args.scene)?;
     view::pose(&mut scene, args.picture.time);
@@ -78,13 +78,7 @@ fn still(args: &RenderArgs, frames: u32) -> Result<()> {
             "note: on a processor the mean of frames gets better sooner with --no-temporal --no-spatial"
         );
     }
-    let options = FrameOptions {
-        work: Work::Restir(settings),
-        primary: knobs.primary,
-        seed: args.picture.seed,
-        exposure: 1.0,
-        background: Vec3::ZERO,
-    };
+    let options = args.picture.options(Work::Restir(settings), knobs.primary);
 
     // Radiance is radiance: only what is made for a display looks at one.
     let metered = match format {
@@ -93,21 +87,21 @@ fn still(args: &RenderArgs, frames: u32) -> Result<()> {
     };
     let mut progress = Steps::new(frames.into(), "rendering");
     let mut times = PassTimes::default();
-    let mut mean = Mean::new(size);
-    for frame in 0..frames {
+    let mut accumulation = Accumulation::new(size, options.parts);
+    for frame in 1..=frames {
         times.add(renderer.render(camera, &options)?);
-        if frame == 0 {
+        if frame == 1 {
             startup::reached("first frame, from start");
         }
-        if args.accumulate {
-            mean.add(&renderer.radiance()?);
+        if args.accumulate || frame == frames {
+            accumulation.add(&renderer)?;
         }
         progress.step();
     }
     progress.end();
 
-    let radiance = if args.accumulate { mean.radiance() } else { renderer.radiance()? };
-    output::write(&args.picture, format, &radiance, metered)?;
+    let picture = Picture { frames: &accumulation, renderer: &renderer, camera, format };
+    picture.write(&args.picture, metered)?;
     let lights = renderer.scene().light_count();
     println!("{}: {lights} lights, {}x{}, {} frames", device.info().name, size.x, size.y, frames);
     println!("{}", times.summary());

@@ -6,7 +6,7 @@ use super::{output, view};
 use crate::error::{Error, Result};
 use crate::frame::renderer::Renderer;
 use crate::gpu_scene::GpuScene;
-use crate::measure::floors::{self, Floors, RayFloor};
+use crate::measure::roofline::{self, RayTimes, Roofline};
 use crate::scene::lights::LightTable;
 use crate::vulkan::Device;
 use clap::Args;
@@ -44,10 +44,10 @@ pub fn run(args: &RooflineArgs) -> Result<()> {
     let knobs = args.knobs.knobs()?;
     let settings = knobs.settings(gpu_scene.light_count());
     let mut renderer = Renderer::new(&device, gpu_scene, args.size, settings.reservoirs)?;
-    let frame = floors::Frame { camera, settings, primary: knobs.primary };
-    let floors = floors::measure(&mut renderer, &lights, frame, args.frames)?;
+    let frame = roofline::Frame { camera, settings, primary: knobs.primary };
+    let roofline = roofline::measure(&mut renderer, &lights, frame, args.frames)?;
     if args.json {
-        println!("{}", serde_json::to_string_pretty(&floors).map_err(Error::internal)?);
+        println!("{}", serde_json::to_string_pretty(&roofline).map_err(Error::internal)?);
     } else {
         let size = args.size;
         println!(
@@ -58,33 +58,33 @@ pub fn run(args: &RooflineArgs) -> Result<()> {
             size.x,
             size.y
         );
-        print(&floors);
+        print(&roofline);
     }
     output::check_validation(&device)
 }
 
-fn print(floors: &Floors) {
+fn print(roofline: &Roofline) {
     println!("\n| rays of | traced | of them hit | ms | spread | Mrays/s |\n|---|---|---|---|---|---|");
-    for RayFloor { pass, rays, hits, ms, rate } in &floors.rays {
+    for RayTimes { pass, rays, hits, ms, rate } in &roofline.rays {
         println!("| {pass} | {rays} | {hits} | {:.3} | {:.3} | {rate:.1} |", ms.median, ms.spread);
     }
     println!("\n| pass | ms | its rays alone, ms | times its rays |\n|---|---|---|---|");
-    for (stem, ms) in &floors.passes {
-        let rays: f64 = floors.rays.iter().filter(|r| r.pass == stem).map(|r| r.ms.median).sum();
+    for (stem, ms) in &roofline.passes {
+        let rays: f64 = roofline.rays.iter().filter(|r| r.pass == stem).map(|r| r.ms.median).sum();
         let (alone, times) = match rays > 0.0 {
             true => (format!("{rays:.3}"), format!("{:.2}", ms / rays)),
             false => Default::default(),
         };
         println!("| {stem} | {ms:.3} | {alone} | {times} |");
     }
-    let (frame, rays) = (floors.frame_ms, floors.ray_ms());
+    let (frame, rays) = (roofline.frame_ms, roofline.ray_ms());
     println!("| frame | {frame:.3} | {rays:.3} | {:.2} |", frame / rays);
-    let (megabytes, copy) = (floors.copied as f64 * 1e-6, &floors.copy_ms);
+    let (megabytes, copy) = (roofline.copied as f64 * 1e-6, &roofline.copy_ms);
     println!(
         "\ncopy: {megabytes:.1} MB read and written in {:.3} ms, {:.1} GB/s",
-        copy.median, floors.bandwidth
+        copy.median, roofline.bandwidth
     );
-    if !floors.steady {
+    if !roofline.steady {
         println!("not steady: times still changed by more than 1 % when the longest wait was over");
     }
 }

@@ -1,6 +1,8 @@
 //! `candela render --frames A..B`: pictures of a sequence, one a frame. Those that exist are skipped, so that jobs can share a
 //! sequence and resume it.
 
+use super::accumulation::Accumulation;
+use super::output::Picture;
 use super::progress::Steps;
 use super::render::RenderArgs;
 use super::{output, view};
@@ -9,11 +11,10 @@ use crate::exposure;
 use crate::frame::renderer::{FrameOptions, Renderer};
 use crate::frame::schedule::Work;
 use crate::gpu_scene::GpuScene;
-use crate::image_io::{self, PictureFormat};
+use crate::image_io::PictureFormat;
 use crate::measure::times::PassTimes;
 use crate::scene::SceneDescription;
 use crate::vulkan::Device;
-use glam::Vec3;
 use shared::camera::Camera;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -27,7 +28,7 @@ pub fn run(args: &RenderArgs, frames: Range<u32>) -> Result<()> {
     let wanted: Vec<(u32, PathBuf)> = frames
         .map(|frame| Ok((frame, numbered(&args.picture.output, frame)?)))
         .collect::<Result<Vec<_>>>()?;
-    let format = image_io::check_writable(&wanted[0].1)?;
+    let format = output::check(&wanted[0].1, &args.picture)?;
     let all = wanted.len();
     let missing: Vec<_> = wanted.into_iter().filter(|(_, path)| args.overwrite || !path.exists()).collect();
     if missing.len() < all {
@@ -43,13 +44,7 @@ pub fn run(args: &RenderArgs, frames: Range<u32>) -> Result<()> {
     let gpu_scene = GpuScene::new(&device, &scene)?;
     let settings = knobs.settings(gpu_scene.light_count());
     let renderer = Renderer::new(&device, gpu_scene, args.picture.size, settings.reservoirs)?;
-    let options = FrameOptions {
-        work: Work::Restir(settings),
-        primary: knobs.primary,
-        seed: args.picture.seed,
-        exposure: 1.0,
-        background: Vec3::ZERO,
-    };
+    let options = args.picture.options(Work::Restir(settings), knobs.primary);
     let mut film = Film { args, scene, renderer, options, next: None, times: PassTimes::default() };
     let mut progress = Steps::new(missing.len() as u64, "sequence");
     // The same for all pictures, and for all jobs that share the sequence.
@@ -58,8 +53,11 @@ pub fn run(args: &RenderArgs, frames: Range<u32>) -> Result<()> {
         PictureFormat::Png => film.exposure()?,
     };
     for (frame, path) in &missing {
-        let radiance = film.picture(*frame)?;
-        output::write_exposed(path, args.picture.size, format, &radiance, exposure)?;
+        let camera = film.picture(*frame)?;
+        let mut frames = Accumulation::new(args.picture.size, options.parts);
+        frames.add(&film.renderer)?;
+        let picture = Picture { frames: &frames, renderer: &film.renderer, camera, format };
+        picture.write_exposed(path, exposure)?;
         progress.step();
     }
     progress.end();
@@ -82,8 +80,8 @@ struct Film<'a> {
 }
 
 impl Film<'_> {
-    /// Radiance of `frame`, with the history of the frame before: rendered just now, or anew from `--warm-up` frames before.
-    fn picture(&mut self, frame: u32) -> Result<Vec<Vec3>> {
+    /// Renders `frame` and gives its camera, with the history of the frame before: rendered just now, or anew from `--warm-up` frames before.
+    fn picture(&mut self, frame: u32) -> Result<Camera> {
         if self.next != Some(frame) {
             self.renderer.restart();
             for before in (1..=self.args.warm_up).rev() {
@@ -91,9 +89,8 @@ impl Film<'_> {
                 self.render(frame.saturating_sub(before))?;
             }
         }
-        self.render(frame)?;
         self.next = Some(frame + 1);
-        self.renderer.radiance()
+        self.render(frame)
     }
 
     /// By the first picture.
@@ -102,14 +99,17 @@ impl Film<'_> {
         let camera = self.set(0)?;
         match self.renderer.meter(camera, &self.options)? {
             Some(exposure) => Ok(exposure * stops.exp2()),
-            None => Ok(exposure::automatic(&self.picture(0)?, stops)),
+            None => {
+                self.picture(0)?;
+                Ok(exposure::automatic(&self.renderer.radiance()?, stops))
+            }
         }
     }
 
-    fn render(&mut self, frame: u32) -> Result<()> {
+    fn render(&mut self, frame: u32) -> Result<Camera> {
         let camera = self.set(frame)?;
         self.times.add(self.renderer.render(camera, &self.options)?);
-        Ok(())
+        Ok(camera)
     }
 
     /// The scene as `frame` shows it, and its camera.

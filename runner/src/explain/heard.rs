@@ -13,6 +13,7 @@ use shared::light::tile::{TILE_SIZE, presample};
 use shared::math::safe_ratio;
 use shared::motion::NO_LIGHT;
 use shared::passes::{Body, Question, Technique, variant};
+use shared::reflected::Reflected;
 use shared::resampling::initial::{BsdfRay, Candidate, Fresh, Techniques};
 use shared::resampling::pairwise::Weighed;
 use shared::resampling::reprojection::{Before, is_similar_albedo};
@@ -20,7 +21,7 @@ use shared::resampling::{CrossProposal, is_similar_distance, is_similar_normal, 
 use shared::reservoir::StoredReservoir;
 use shared::shading::Contribution;
 use shared::shadow::ShadowRay;
-use shared::surface::GBufferTexel;
+use shared::surface::{GBufferTexel, Surface};
 
 /// Steps of a light's grid that rounding may be off by: lavapipe's sine and cosine differ in the last bits, H100's by 1e-4.
 const NEAR: f32 = 16.0;
@@ -135,8 +136,7 @@ impl<'a> Heard<'a> {
         (report.light, report.uv) = ((found.light != NO_LIGHT).then_some(found.light), found.uv);
         if let Some(ray) = self.turned.take() {
             report.gpu_disagrees = !are_near(found, self.gpu.sample);
-            let at = self.replay.at(self.lane);
-            let surface = at.surface(&at.texel(self.replay.buffers.gbuffer));
+            let (at, surface) = (self.replay.at(self.lane), self.surface());
             let lights = at.light_table(self.replay.buffers.lights, self.replay.buffers.alias);
             let techniques = Techniques::new(&at.frame.settings, at.features);
             *candidate = ray.candidate_at(&surface, lights, techniques, self.gpu.sample);
@@ -256,8 +256,9 @@ impl<'a> Heard<'a> {
         }
     }
 
-    pub fn lit(&mut self, shaded: &Contribution, visible: bool) {
-        let radiance = if visible { shaded.radiance } else { Vec3::ZERO };
+    pub fn lit<L: Reflected>(&mut self, shaded: &Contribution<L>, visible: bool) {
+        let albedo = self.surface().reflectance.diffuse;
+        let radiance = if visible { shaded.radiance.whole(albedo) } else { Vec3::ZERO };
         self.contributions.push(radiance.to_array());
     }
 
@@ -280,6 +281,11 @@ impl<'a> Heard<'a> {
             }
         }
         PassReport { rays: self.rays, ..self.report }
+    }
+
+    fn surface(&self) -> Surface {
+        let at = self.replay.at(self.lane);
+        at.surface(&at.texel(self.replay.buffers.gbuffer))
     }
 
     fn is_pairwise(&self) -> bool {

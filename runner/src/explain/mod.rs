@@ -3,7 +3,7 @@
 //! Each body runs from the GPU's own input to it, so that differences don't add up from pass to pass. Visibility is
 //! asked of every triangle, in f64. Not replayed: the primary ray's textures and normal maps (the G-buffer is taken as it is).
 
-mod compare;
+pub mod compare;
 mod heard;
 mod rays;
 pub mod record;
@@ -143,6 +143,8 @@ pub fn next_frame(
             "only ReSTIR frames can be explained: the reference resamples nothing".into(),
         ));
     };
+    // Radiance is explained as a whole.
+    let options = &FrameOptions { parts: false, ..*options };
     let mut explainer = Explainer::new(world, pixel);
     let see = |history: &History, frame: &FrameConstants, step: &Step| explainer.see(history, frame, step);
     recorder.render_stepwise(history, camera, options, see)?;

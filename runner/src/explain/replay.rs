@@ -11,6 +11,7 @@ use shared::passes::pair_targets::PairTargets;
 use shared::passes::{
     Assumed, At, Body, Output, Question, Silent, Stage, Technique, Visibility, Witness, run,
 };
+use shared::reflected::Reflected;
 use shared::resampling::initial::{BsdfRay, Candidate, Fresh};
 use shared::resampling::pairwise::Weighed;
 use shared::resampling::{CrossProposal, reservoir_index};
@@ -158,6 +159,10 @@ macro_rules! hears {
             $(fn $method(&mut self, $($name: $type),*) {
                 self.0.borrow_mut().$method($($name),*);
             })*
+
+            fn lit<L: Reflected>(&mut self, shaded: &Contribution<L>, visible: bool) {
+                self.0.borrow_mut().lit(shaded, visible);
+            }
         }
     };
 }
@@ -177,5 +182,4 @@ hears! {
     merged(reservoir: StoredReservoir, target: f32, weighed: Weighed)
     merged_canonical(reservoir: StoredReservoir, target: f32, weighed: Weighed)
     doubt(doubt: f32, asked: bool)
-    lit(shaded: &Contribution, visible: bool)
 }

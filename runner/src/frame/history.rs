@@ -1,14 +1,13 @@
 //! A sequence of frames with its past: what one frame leaves for the next.
 
-use super::pass::Step;
 use super::schedule::Rotation;
 use super::targets::{Target, Targets};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::vulkan::{Buffer, Device};
 use bytemuck::Pod;
 use glam::{UVec2, Vec3};
 use shared::camera::Camera;
-use shared::resources::{Binding, Resource};
+use shared::resources::Resource;
 use shared::stored_ray::StoredRay;
 
 /// Targets of one picture size, and which frame they hold. Frames of several histories may take turns on one recorder.
@@ -103,16 +102,6 @@ impl History {
     /// Content of a target after the last frame, which must have run.
     pub fn read<T: Pod>(&self, target: impl Into<Target>) -> Result<Vec<T>> {
         self.target(target).read_vec()
-    }
-
-    /// Content of what `step`, which has run, found behind `binding`.
-    pub fn read_binding<T: Pod>(&self, step: &Step, binding: Binding) -> Result<Vec<T>> {
-        match step.target(binding) {
-            Some(target) => self.read(target),
-            None => {
-                Err(Error::Internal(format!("pass '{}' has no {} to read", step.pass.stem(), binding.name())))
-            }
-        }
     }
 
     /// Radiance of the last frame: nit, linear RGB, rows from the top.

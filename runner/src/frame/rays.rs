@@ -17,11 +17,9 @@ pub fn most(settings: &Settings, draws: bool, features: u32) -> u64 {
 
 /// Rays a pixel of one step.
 fn of_step(step: &Step, settings: &Settings, features: u32) -> u64 {
-    if matches!(step.pass.stage(), Stage::Compute | Stage::Raster) {
-        return 0;
-    }
     let known = u64::from(settings.visibility_is_known());
     let a_thread = match step.pass.body() {
+        _ if matches!(step.pass.stage(), Stage::Compute | Stage::Raster) => 0,
         Body::gbuffer => 1,
         Body::initial => {
             u64::from(settings.bsdf_candidates(features)) + u64::from(settings.visibility_reuse != 0)
@@ -30,18 +28,10 @@ fn of_step(step: &Step, settings: &Settings, features: u32) -> u64 {
         Body::temporal | Body::spatial => 2 * known,
         // The partner's sample.
         Body::pair_targets => known,
-        Body::shade => u64::from(settings.reservoirs),
-        Body::reference => u64::from(step.constants.light_count),
+        Body::shade | Body::shade_parts => u64::from(settings.reservoirs),
+        Body::reference | Body::reference_parts => u64::from(step.constants.light_count),
         Body::roofline_primary | Body::roofline_shadow => 1,
-        Body::visibility
-        | Body::gbuffer_raster
-        | Body::presample
-        | Body::pair_merge
-        | Body::tonemap
-        | Body::accumulate
-        | Body::view
-        | Body::statistics
-        | Body::roofline_copy => 0,
+        _ => 0,
     };
     let threads = if step.pass.extent() == Extent::Reservoirs { settings.reservoirs } else { 1 };
     a_thread * u64::from(threads)
@@ -51,6 +41,8 @@ fn of_step(step: &Step, settings: &Settings, features: u32) -> u64 {
 mod tests {
     use super::*;
     use shared::frame::{features, mode};
+    use shared::interface::PassConstants;
+    use shared::passes::Pass;
 
     /// Counted by hand: the eye's ray, one for the candidate, one to shade; unbiased two in each of three merges, and none to
     /// shade but through what is transparent.
@@ -71,6 +63,17 @@ mod tests {
         assert_eq!(count(Settings { reservoirs: 4, temporal: 0, ..unbiased }), (21, 25));
         assert_eq!(count(Settings { tiles: 1, spatial: 0, ..unbiased }), (4, 5));
         assert_eq!(count(Settings { visibility_reuse: 0, ..unbiased }), (2, 2));
+    }
+
+    /// A pass with rays that nobody counts would be one without.
+    #[test]
+    fn rays_of_every_pass_count() {
+        let constants = PassConstants { light_count: 1, ..Default::default() };
+        for &pass in Pass::ALL {
+            let step = Step::new(pass, 0, constants, |binding| binding.resource().into());
+            let rays = of_step(&step, &Settings::default(), features::TRACEABLE);
+            assert_eq!(rays > 0, matches!(pass.stage(), Stage::RayTracing(_)), "{pass:?}: {rays}");
+        }
     }
 
     /// Moving passes trace as many as those that stand in for them.

@@ -37,6 +37,15 @@ pub struct FrameOptions {
     pub exposure: f32,
     /// Radiance of what lies behind the scene, nit.
     pub background: Vec3,
+    /// Are direct diffuse, direct specular and emission kept apart until they are resolved? Radiance is the same but for rounding.
+    pub parts: bool,
+}
+
+impl FrameOptions {
+    /// Before black, whole, at an exposure of 1.
+    pub fn new(work: Work, primary: Primary, seed: u32) -> Self {
+        FrameOptions { work, primary, seed, exposure: 1.0, background: Vec3::ZERO, parts: false }
+    }
 }
 
 /// A frame before it is recorded.
@@ -196,12 +205,12 @@ impl Recorder {
         };
         let draws = options.primary.draws(&self.device);
         let features = self.scene.features();
-        // What is transparent shows another point by lot. The first frame has no history to ask.
+        // Stochastic alpha may show another point. The first frame has no history to ask.
         let rests = history.scene == now
             && history.previous_camera == Some(camera)
             && features & features::ALPHA == 0;
         let still = !self.ignores_motion && (history.index == 0 || rests);
-        let conditions = Conditions { draws, features, moved, still };
+        let conditions = Conditions { draws, features, moved, still, parts: options.parts };
         let (steps, next) = schedule(&options.work, conditions, history.rotation);
         for (_, _, target) in steps.iter().flat_map(|step| &step.targets) {
             history.targets.make(&self.device, target.resource)?;

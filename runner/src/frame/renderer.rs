@@ -14,6 +14,7 @@ use bytemuck::Pod;
 use glam::{UVec2, Vec3};
 use shared::camera::Camera;
 use shared::resources::Resource;
+use shared::surface::GBufferTexel;
 
 pub use super::recorder::FrameOptions;
 
@@ -111,6 +112,11 @@ impl Renderer {
     /// Display values of the last frame: RGBA8, red lowest, rows from the top.
     pub fn display(&self) -> Result<Vec<u32>> {
         self.read(Resource::display)
+    }
+
+    /// What each pixel of the last frame saw, rows from the top.
+    pub fn gbuffer(&self) -> Result<Vec<GBufferTexel>> {
+        self.history.gbuffer().read_vec()
     }
 
     /// Content of a target after the last frame.

@@ -57,6 +57,8 @@ pub struct Conditions {
     pub moved: bool,
     /// Every pixel sees the very point that it saw in the frame before.
     pub still: bool,
+    /// Light is kept in parts until it is resolved.
+    pub parts: bool,
 }
 
 /// What a frame computes.
@@ -87,10 +89,12 @@ pub fn schedule(work: &Work, conditions: Conditions, rotation: Rotation) -> (Vec
                 surfaces(&mut frame);
             }
             reference(&mut frame, first..first + count);
+            resolve(&mut frame);
             // The next slice adds to the same surfaces.
             return (frame.steps, rotation);
         }
     }
+    resolve(&mut frame);
     frame.run(Pass::tonemap);
     (frame.steps, Rotation { gbuffer: 1 - rotation.gbuffer, history: frame.output })
 }
@@ -107,7 +111,7 @@ fn surfaces(frame: &mut Frame) {
 
 /// ReSTIR DI: candidates, reuse in time and in space, shading.
 fn restir_di(frame: &mut Frame, settings: &Settings) {
-    let Conditions { moved, still, features, .. } = frame.conditions;
+    let Conditions { moved, still, features, parts, .. } = frame.conditions;
     let unbiased = settings.mode == mode::UNBIASED;
     let weights = if unbiased { variant::UNBIASED } else { 0 };
     let tiled = if settings.tiles != 0 { variant::TILED } else { 0 };
@@ -133,15 +137,32 @@ fn restir_di(frame: &mut Frame, settings: &Settings) {
         }
     }
     frame.input = frame.output;
-    let asks = settings.shading_needs_rays(features);
-    frame.run(if asks { Pass::shade_traced } else { Pass::shade });
+    frame.run(match (parts, settings.shading_needs_rays(features)) {
+        (false, false) => Pass::shade,
+        (false, true) => Pass::shade_traced,
+        (true, false) => Pass::shade_parts,
+        (true, true) => Pass::shade_parts_traced,
+    });
 }
 
 /// The sum over `lights`.
 fn reference(frame: &mut Frame, lights: Range<u32>) {
+    let pass = if frame.conditions.parts { Pass::reference_parts } else { Pass::reference };
+    if frame.conditions.parts && lights.is_empty() {
+        // Parts begin at 0, which somebody has to write.
+        frame.run(pass);
+    }
     for first_light in lights.clone().step_by(REFERENCE_LIGHTS as usize) {
         let light_count = REFERENCE_LIGHTS.min(lights.end - first_light);
-        frame.run_with(Pass::reference, PassConstants { first_light, light_count, ..Default::default() });
+        frame.run_with(pass, PassConstants { first_light, light_count, ..Default::default() });
+    }
+}
+
+/// The parts together are the picture.
+fn resolve(frame: &mut Frame) {
+    if frame.conditions.parts {
+        frame.resolved = true;
+        frame.run(Pass::resolve);
     }
 }
 
@@ -176,13 +197,15 @@ struct Frame {
     /// Reservoirs the next pass reads / the next pass writes.
     input: usize,
     output: usize,
+    /// Behind `radiance` stands the picture, not yet its emission alone.
+    resolved: bool,
     steps: Vec<Step>,
 }
 
 impl Frame {
     fn new(conditions: Conditions, rotation: Rotation) -> Self {
         let (input, output) = (rotation.history, rotation.other(0));
-        Frame { conditions, rotation, input, output, steps: Vec::new() }
+        Frame { conditions, rotation, input, output, resolved: !conditions.parts, steps: Vec::new() }
     }
 
     fn run(&mut self, pass: Pass) {
@@ -216,6 +239,7 @@ impl Frame {
             Binding::merged => copy(Resource::reservoirs, self.output),
             // The history is dead once it is merged: pairs of pixels tell each other there what they know.
             Binding::history | Binding::pair_targets => self.rotation.last_reservoirs(),
+            Binding::radiance if !self.resolved => Resource::emission.into(),
             once => once.resource().into(),
         }
     }

@@ -195,10 +195,4 @@ impl FrameCommands<'_> {
     ) -> Result<()> {
         self.commands.submit("frame", wait, signal)
     }
-
-    /// Submits and waits for the frame's end.
-    pub fn submit_and_wait(self) -> Result<()> {
-        self.commands.submit("frame", &[], &[])?;
-        self.commands.wait("frame")
-    }
 }

@@ -207,28 +207,9 @@ impl Drop for DescriptorSet {
     }
 }
 
-enum Resource {
-    Buffer(vk::DescriptorType, vk::DescriptorBufferInfo),
-    Image(vk::DescriptorImageInfo),
-}
-
-impl Resource {
-    fn write(&self, binding: u32) -> vk::WriteDescriptorSet<'_> {
-        let write = vk::WriteDescriptorSet::default().dst_binding(binding);
-        match self {
-            Resource::Buffer(kind, info) => {
-                write.descriptor_type(*kind).buffer_info(std::slice::from_ref(info))
-            }
-            Resource::Image(info) => write
-                .descriptor_type(vk::DescriptorType::STORAGE_IMAGE)
-                .image_info(std::slice::from_ref(info)),
-        }
-    }
-}
-
-/// Resources of a set that is pushed into a command buffer, not kept.
+/// Buffers of a set that is pushed into a command buffer, not kept.
 #[derive(Default)]
-pub struct PushSet(Vec<(u32, Resource)>);
+pub struct PushSet(Vec<(u32, vk::DescriptorType, vk::DescriptorBufferInfo)>);
 
 impl PushSet {
     pub fn new() -> PushSet {
@@ -236,19 +217,12 @@ impl PushSet {
     }
 
     pub fn storage_buffer(mut self, binding: u32, buffer: &Buffer) -> PushSet {
-        self.0.push((binding, Resource::Buffer(vk::DescriptorType::STORAGE_BUFFER, buffer.descriptor())));
+        self.0.push((binding, vk::DescriptorType::STORAGE_BUFFER, buffer.descriptor()));
         self
     }
 
     pub fn uniform_buffer(mut self, binding: u32, buffer: &Buffer) -> PushSet {
-        self.0.push((binding, Resource::Buffer(vk::DescriptorType::UNIFORM_BUFFER, buffer.descriptor())));
-        self
-    }
-
-    /// The image must be in the `GENERAL` layout.
-    pub fn storage_image(mut self, binding: u32, view: vk::ImageView) -> PushSet {
-        let info = vk::DescriptorImageInfo::default().image_view(view).image_layout(vk::ImageLayout::GENERAL);
-        self.0.push((binding, Resource::Image(info)));
+        self.0.push((binding, vk::DescriptorType::UNIFORM_BUFFER, buffer.descriptor()));
         self
     }
 
@@ -260,7 +234,11 @@ impl PushSet {
         layout: vk::PipelineLayout,
         set: u32,
     ) {
-        let writes: Vec<_> = self.0.iter().map(|(binding, resource)| resource.write(*binding)).collect();
+        let writes = self.0.iter().map(|(binding, kind, info)| {
+            let write = vk::WriteDescriptorSet::default().dst_binding(*binding).descriptor_type(*kind);
+            write.buffer_info(std::slice::from_ref(info))
+        });
+        let writes: Vec<_> = writes.collect();
         // SAFETY: `cmd` is recording, set `set` of the layout is a push layout with these bindings.
         unsafe { device.push_descriptor().cmd_push_descriptor_set(cmd, bind_point, layout, set, &writes) };
     }

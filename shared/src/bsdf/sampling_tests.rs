@@ -129,7 +129,8 @@ fn a_mirror_of_draws_loses_nothing() {
             let r = Reflectance::from_metallic_roughness(Vec3::ONE, 1.0, roughness);
             let wo = direction(cos, 1.0);
             let weights = draws(r, Vec3::Z, wo, 13).map(|wi| {
-                let weight = safe_ratio(eval(&r, Vec3::Z, wo, wi).x * wi.z, pdf(&r, Vec3::Z, wo, wi).0);
+                let weight =
+                    safe_ratio(eval::<Vec3>(&r, Vec3::Z, wo, wi).x * wi.z, pdf(&r, Vec3::Z, wo, wi).0);
                 assert!(weight < 1.001, "{weight}: roughness {roughness}, cos {cos}");
                 f64::from(weight)
             });

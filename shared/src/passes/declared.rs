@@ -121,6 +121,8 @@ pub enum Output {
     Reservoir(StoredReservoir),
     Targets(PairTargets),
     Radiance(Vec3),
+    /// Diffuse under an albedo of 1, specular.
+    Parts(Vec3, Vec3),
     Hit(u32),
 }
 
@@ -139,6 +141,12 @@ impl From<PairTargets> for Output {
 impl From<Vec3> for Output {
     fn from(radiance: Vec3) -> Self {
         Output::Radiance(radiance)
+    }
+}
+
+impl From<(Vec3, Vec3)> for Output {
+    fn from((diffuse, specular): (Vec3, Vec3)) -> Self {
+        Output::Parts(diffuse, specular)
     }
 }
 

@@ -3,7 +3,8 @@
 use super::{At, Question, Visibility, Witness};
 use crate::alias_table::AliasEntry;
 use crate::alpha;
-use crate::light::Light;
+use crate::light::{Light, LightTable};
+use crate::reflected::{Parts, Reflected};
 use crate::resampling::reservoir_index;
 use crate::reservoir::StoredReservoir;
 use crate::rng::Stream;
@@ -15,26 +16,50 @@ use glam::Vec3;
 #[allow(clippy::too_many_arguments)]
 pub fn shade(
     at: At<'_>,
-    mut rays: impl Visibility,
-    mut note: impl Witness,
+    rays: impl Visibility,
+    note: impl Witness,
     lights: &[Light],
     alias: &[AliasEntry],
     gbuffer: &[GBufferTexel],
     reservoirs: &[StoredReservoir],
     radiance: Vec3,
 ) -> Vec3 {
+    radiance + lit::<Vec3>(at, rays, note, at.light_table(lights, alias), gbuffer, reservoirs)
+}
+
+/// The same light in [`Parts`] beside `radiance`: diffuse, specular, nit.
+pub fn shade_parts(
+    at: At<'_>,
+    rays: impl Visibility,
+    note: impl Witness,
+    lights: &[Light],
+    alias: &[AliasEntry],
+    gbuffer: &[GBufferTexel],
+    reservoirs: &[StoredReservoir],
+) -> (Vec3, Vec3) {
+    lit::<Parts>(at, rays, note, at.light_table(lights, alias), gbuffer, reservoirs).apart()
+}
+
+/// The light that the pixel's reservoirs bring to its surface.
+fn lit<L: Reflected>(
+    at: At<'_>,
+    mut rays: impl Visibility,
+    mut note: impl Witness,
+    table: LightTable<'_>,
+    gbuffer: &[GBufferTexel],
+    reservoirs: &[StoredReservoir],
+) -> L {
     let texel = at.texel(gbuffer);
     if texel.is_empty() {
-        return radiance;
+        return L::default();
     }
     let surface = at.surface(&texel);
-    let table = at.light_table(lights, alias);
     let mut rng = at.rng(Stream::Shade);
-    let mut lit = Average::default();
+    let mut lit = Average::<L>::default();
     let mut lane = 0;
     while lane < at.frame.settings.reservoirs {
         let stored = reservoirs[reservoir_index(at.frame, at.pixel, lane) as usize];
-        let mut shaded = contribution(&surface, table, stored);
+        let mut shaded = contribution::<L>(&surface, table, stored);
         note.shaded(stored, &mut shaded);
         let key = alpha::key(rng.next_u32x4().x);
         let visible = !shaded.is_dark() && rays.sees(Question::Shade, shaded.ray, key);
@@ -42,5 +67,5 @@ pub fn shade(
         lit.add(shaded, visible);
         lane += 1;
     }
-    radiance + lit.radiance()
+    lit.radiance()
 }

@@ -36,8 +36,14 @@ macro_rules! passes {
                 [reservoirs pair_targets] [] [merged])
             (shade Pixels { known() shade, traced(shadow) shade_traced }
                 [lights alias gbuffer reservoirs] [radiance] [])
+            (shade_parts Pixels { known() shade_parts, traced(shadow) shade_parts_traced }
+                [lights alias gbuffer reservoirs] [] [direct_diffuse direct_specular])
             (reference Pixels { traced(shadow) reference }
                 [lights gbuffer] [radiance] [])
+            (reference_parts Pixels { traced(shadow) reference_parts }
+                [lights gbuffer] [direct_diffuse direct_specular] [])
+            (resolve Pixels { compute() resolve }
+                [gbuffer direct_diffuse direct_specular emission] [] [radiance])
             (tonemap Pixels { compute() tonemap }
                 [radiance] [] [display])
             (accumulate Pixels { compute() accumulate }

@@ -41,7 +41,7 @@ pub fn view(
     if shown_kind == kind::VISIBILITY && !texel.is_empty() {
         let surface = at.surface(&texel);
         let incident = at.lights(lights).incident(shown.reservoir.sample, surface.position);
-        shown.unshadowed = unshadowed(&surface, &incident) * shown.reservoir.contribution_weight;
+        shown.unshadowed = unshadowed::<Vec3>(&surface, &incident) * shown.reservoir.contribution_weight;
     }
     let color = if shown_kind == kind::FEATURES && !texel.is_empty() {
         features_color(&materials[instances[texel.instance as usize].material as usize])

@@ -1,6 +1,7 @@
 //! Who hears what a pass does.
 
 use crate::interface::HitPayload;
+use crate::reflected::Reflected;
 use crate::resampling::CrossProposal;
 use crate::resampling::initial::{BsdfRay, Candidate, Fresh};
 use crate::resampling::pairwise::Weighed;
@@ -42,9 +43,9 @@ pub trait Witness {
     /// What the canonical MIS weight gains if the last neighbor does not see the canonical sample, and whether it answers for all.
     fn doubt(&mut self, _doubt: f32, _asked: bool) {}
     /// What a reservoir contributes if its sample is visible.
-    fn shaded(&mut self, _reservoir: StoredReservoir, _shaded: &mut Contribution) {}
+    fn shaded<L: Reflected>(&mut self, _reservoir: StoredReservoir, _shaded: &mut Contribution<L>) {}
     /// Whether it was.
-    fn lit(&mut self, _shaded: &Contribution, _visible: bool) {}
+    fn lit<L: Reflected>(&mut self, _shaded: &Contribution<L>, _visible: bool) {}
 }
 
 /// Hears nothing.

@@ -15,6 +15,7 @@ use shared::motion::NO_LIGHT;
 use shared::passes::pair_targets::PairTargets;
 use shared::passes::{self, Assumed, At, Question, Technique, Visibility, Witness, variant};
 use shared::pdf::SourcePdf;
+use shared::reflected::Reflected;
 use shared::resampling::CrossProposal;
 use shared::resampling::initial::Candidate;
 use shared::reservoir::StoredReservoir;
@@ -446,7 +447,7 @@ impl Witness for Falsifier<'_> {
     }
 
     /// Takes a term back out of the integrand.
-    fn shaded(&mut self, stored: StoredReservoir, shaded: &mut Contribution) {
+    fn shaded<L: Reflected>(&mut self, stored: StoredReservoir, shaded: &mut Contribution<L>) {
         if stored.contribution_weight == 0.0 || self.frame.plant.is_none() {
             return;
         }
@@ -454,7 +455,7 @@ impl Witness for Falsifier<'_> {
         let incident = self.lights().incident(stored.sample, surface.position);
         let light = &self.frame.buffers.lights[stored.sample.light as usize];
         let finite = light.kind == kind::POINT || light.kind == kind::TRIANGLE;
-        shaded.radiance *= match self.frame.plant {
+        let factor = match self.frame.plant {
             Some(Plant::Cosine) => 1.0 / surface.normal.dot(incident.direction).max(1e-3),
             Some(Plant::EmitterCosine) if light.kind == kind::TRIANGLE => {
                 1.0 / -incident.normal.dot(incident.direction).min(-1e-3)
@@ -462,5 +463,6 @@ impl Witness for Falsifier<'_> {
             Some(Plant::Distance) if finite => incident.distance * incident.distance,
             _ => 1.0,
         };
+        shaded.radiance = shaded.radiance * factor;
     }
 }

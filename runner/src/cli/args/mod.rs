@@ -17,6 +17,8 @@ use super::roofline::RooflineArgs;
 use super::sweep::SweepArgs;
 use super::window::ViewArgs;
 use crate::error::Kind;
+use crate::frame::renderer::FrameOptions;
+use crate::frame::schedule::{Primary, Work};
 use crate::scene::{EnvironmentSource, Illumination, SceneSource};
 use crate::vulkan::{DeviceOptions, pipeline_cache};
 use clap::{Args, Parser, Subcommand};
@@ -128,6 +130,9 @@ pub struct PictureArgs {
     /// Stops brighter (+) or darker (-) than the automatic exposure.
     #[arg(long, default_value_t = 0.0, allow_hyphen_values = true, value_parser = stops)]
     pub exposure: f32,
+    /// Write layers beside the picture, an .exr: its light in parts (diffuse, specular, emission), albedo, f0, normal, depth.
+    #[arg(long)]
+    pub layers: bool,
     /// Pose the scene's animations at T seconds; of a sequence, the time of frame 0 [default: at rest; of a sequence 0].
     #[arg(long, value_name = "T", value_parser = time)]
     pub time: Option<f64>,
@@ -172,6 +177,13 @@ impl SceneArgs {
 
     pub fn light_count(&self) -> usize {
         self.n_lights.or(self.lights).unwrap_or_else(|| self.source().usual_lights())
+    }
+}
+
+impl PictureArgs {
+    /// Of its frames.
+    pub fn options(&self, work: Work, primary: Primary) -> FrameOptions {
+        FrameOptions { parts: self.layers, ..FrameOptions::new(work, primary, self.seed) }
     }
 }
 

@@ -215,8 +215,7 @@ impl Run<'_> {
     /// One frame's steps and ms.
     fn frame(&mut self, seed: u32) -> Result<(StepTimes, f64)> {
         let start = Instant::now();
-        let (work, primary) = (self.work, self.primary);
-        let options = FrameOptions { work, primary, seed, exposure: 1.0, background: Vec3::ZERO };
+        let options = FrameOptions::new(self.work, self.primary, seed);
         let steps = self.renderer.render(self.camera, &options)?.unwrap_or_else(|| {
             self.clock = Clock::Wall;
             vec![("frame", start.elapsed().as_secs_f64() * 1e3)]

@@ -100,9 +100,7 @@ pub fn converge(
     renderer.restart();
     while error > wanted && mean.count() < most {
         for _ in mean.count()..next_look(mean.count(), error / wanted).min(most) {
-            let primary = lighting.primary;
-            let options = FrameOptions { work, primary, seed, exposure: 1.0, background: Vec3::ZERO };
-            renderer.render(camera, &options)?;
+            renderer.render(camera, &FrameOptions::new(work, lighting.primary, seed))?;
             mean.add(&renderer.radiance()?);
             tick();
         }

@@ -178,7 +178,7 @@ impl Frames {
     /// A frame of `file` for this scene. One seed: frames differ by their index.
     fn options(&self, file: &Knobs, exposure: f32) -> FrameOptions {
         let (work, primary) = (Work::Restir(self.settings(file)), file.primary);
-        FrameOptions { work, primary, seed: 0, exposure, background: Vec3::ZERO }
+        FrameOptions { exposure, ..FrameOptions::new(work, primary, 0) }
     }
 
     /// The next frame shows the scene as it is at `time`, s; none: as it is.

@@ -1,10 +1,10 @@
-//! The kernels that measure floors trace the rays that they say they trace: what they count is what frames show.
+//! The kernels of the roofline trace the rays that they say they trace: what they count is what frames show.
 
 use candela::frame::history::History;
 use candela::frame::pass::Step;
 use candela::frame::renderer::Renderer;
 use candela::frame::schedule::{Primary, Work};
-use candela::measure::floors::{self, Frame};
+use candela::measure::roofline::{self, Frame};
 use candela::scene::lights::LightTable;
 use candela::scene::{PointLight, SceneDescription};
 use glam::{UVec2, Vec3};
@@ -40,10 +40,10 @@ fn hits_are_what_the_frame_shows() {
     // Without reuse a frame does not depend on the ones before, but for its random numbers.
     let settings = Settings { visibility_reuse: 0, temporal: 0, spatial: 0, ..Settings::default() };
     let measured =
-        floors::measure(&mut renderer, &lights, Frame { camera, settings, primary: Primary::Rays }, 1)
+        roofline::measure(&mut renderer, &lights, Frame { camera, settings, primary: Primary::Rays }, 1)
             .unwrap();
     // The captured frame comes after the history: the same one once more.
-    let radiance = restir(&mut renderer, camera, settings, floors::HISTORY + 1, 0);
+    let radiance = restir(&mut renderer, camera, settings, roofline::HISTORY + 1, 0);
     let gbuffer: Vec<GBufferTexel> = renderer.parts().1.gbuffer().read_vec().unwrap();
     let of = |pass: &str| measured.rays.iter().find(|rays| rays.pass == pass).unwrap();
 
@@ -58,7 +58,7 @@ fn hits_are_what_the_frame_shows() {
     assert!(shading.hits > 50 && lit > 1000, "{} hidden, {lit} lit", shading.hits);
     assert_eq!(shading.rays - shading.hits, lit);
     // The planted fault: the frame before has other rays.
-    let before = restir(&mut renderer, camera, settings, floors::HISTORY, 0);
+    let before = restir(&mut renderer, camera, settings, roofline::HISTORY, 0);
     assert_ne!(shading.rays - shading.hits, count_lit(&before));
 
     assert_eq!(measured.rays.len(), 2, "no reuse, no other rays");
@@ -84,7 +84,7 @@ fn second_rays_of_reuse_decide_over_reservoirs() {
         let settings =
             Settings { candidates, pairs: 0, radius, temporal, confidence_cap, ..Settings::default() };
         let frame = Frame { camera, settings, primary: Primary::Rays };
-        let captured = floors::capture(&mut renderer, &lights, frame).unwrap();
+        let captured = roofline::capture(&mut renderer, &lights, frame).unwrap();
         let passes: Vec<_> = captured.iter().map(|captured| captured.pass).collect();
         let expected: &[&str] = match temporal {
             0 => &["gbuffer", "initial", "spatial_traced", "spatial_traced"],
@@ -95,7 +95,7 @@ fn second_rays_of_reuse_decide_over_reservoirs() {
         let last = passes.iter().rposition(|&pass| pass == "spatial_traced").unwrap();
         let [asked, hits] = [last - 1, last].map(|i| captured[i].hits(&mut renderer).unwrap());
 
-        restir(&mut renderer, camera, settings, floors::HISTORY + 1, 0);
+        restir(&mut renderer, camera, settings, roofline::HISTORY + 1, 0);
         let ended: Vec<StoredReservoir> = renderer.parts().1.shaded_reservoirs().read_vec().unwrap();
         let traced = |i: &usize| captured[last].rays[*i].traced != 0;
         let agrees = |hits: &[u32], i: usize| (hits[i] == 0) == (ended[i].contribution_weight > 0.0);
@@ -118,7 +118,8 @@ fn rays_of_pairs_decide_over_targets() {
     let lights = LightTable::new(&scene);
     let settings = Settings { candidates: 1, temporal: 0, pairs: 1, radius: 16.0, ..Settings::default() };
     let captured =
-        floors::capture(&mut renderer, &lights, Frame { camera, settings, primary: Primary::Rays }).unwrap();
+        roofline::capture(&mut renderer, &lights, Frame { camera, settings, primary: Primary::Rays })
+            .unwrap();
     let passes: Vec<_> = captured.iter().map(|captured| captured.pass).collect();
     assert_eq!(passes[passes.len() - 1..], ["pair_targets"]);
     let rays = &captured[captured.len() - 1];
@@ -131,7 +132,7 @@ fn rays_of_pairs_decide_over_targets() {
         let mut targets: Vec<PairTargets> = Vec::new();
         let read = |history: &History, _: &FrameConstants, step: &Step| {
             if step.pass == Pass::pair_targets {
-                targets = history.read_binding(step, Binding::pair_targets)?;
+                targets = history.read(step.target(Binding::pair_targets).unwrap())?;
             }
             Ok(())
         };
@@ -143,8 +144,8 @@ fn rays_of_pairs_decide_over_targets() {
     assert!(traced.len() > 300 && hidden > 20, "{hidden} of {} are hidden", traced.len());
     let agree =
         |targets: &[PairTargets]| traced.iter().all(|&i| (hits[i] == 0) == (targets[i].partner > 0.0));
-    assert!(agree(&targets(&mut renderer, floors::HISTORY)));
+    assert!(agree(&targets(&mut renderer, roofline::HISTORY)));
     // The planted fault: the frame before has other partners.
-    assert!(!agree(&targets(&mut renderer, floors::HISTORY - 1)));
+    assert!(!agree(&targets(&mut renderer, roofline::HISTORY - 1)));
     assert_no_validation_messages(&device);
 }

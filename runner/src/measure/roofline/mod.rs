@@ -13,7 +13,6 @@ use crate::measure::sweep::steady::{SteadyPlan, Watch};
 use crate::measure::times::PassTimes;
 use crate::scene::lights::LightTable;
 use crate::vulkan::Timestamps;
-use glam::Vec3;
 use serde::Serialize;
 use shared::camera::Camera;
 use shared::frame::Settings;
@@ -26,7 +25,7 @@ use std::time::Instant;
 
 /// Rays of a pass, traced alone.
 #[derive(Clone, Debug, Serialize)]
-pub struct RayFloor {
+pub struct RayTimes {
     /// Its stem; a pass may trace one ray after another, and come more than once.
     pub pass: &'static str,
     pub rays: usize,
@@ -37,10 +36,10 @@ pub struct RayFloor {
 }
 
 #[derive(Clone, Debug, Serialize)]
-pub struct Floors {
+pub struct Roofline {
     /// Times stood still before they were taken; false: the longest wait was over.
     pub steady: bool,
-    pub rays: Vec<RayFloor>,
+    pub rays: Vec<RayTimes>,
     /// Bytes that the copy read and wrote.
     pub copied: u64,
     pub copy_ms: Times,
@@ -51,7 +50,7 @@ pub struct Floors {
     pub frame_ms: f64,
 }
 
-/// The frame whose floors are asked for.
+/// The frame whose roofline is asked for.
 #[derive(Clone, Copy, Debug)]
 pub struct Frame {
     pub camera: Camera,
@@ -63,7 +62,7 @@ pub struct Frame {
 /// Frames that give the captured one its history.
 pub const HISTORY: u32 = 16;
 
-impl Floors {
+impl Roofline {
     /// ms that the rays of the frame take alone.
     pub fn ray_ms(&self) -> f64 {
         self.rays.iter().map(|r| r.ms.median).sum()
@@ -92,7 +91,7 @@ impl Captured {
 }
 
 /// Measures with `frames` timed launches of each kind, and as many of the whole `frame`.
-pub fn measure(renderer: &mut Renderer, lights: &LightTable, frame: Frame, frames: u32) -> Result<Floors> {
+pub fn measure(renderer: &mut Renderer, lights: &LightTable, frame: Frame, frames: u32) -> Result<Roofline> {
     let captured = capture(renderer, lights, frame)?;
     let mut bench = Bench { renderer, frames, steady: true };
     let rays = captured.iter().map(|captured| bench.rays(captured)).collect::<Result<_>>()?;
@@ -108,13 +107,12 @@ pub fn measure(renderer: &mut Renderer, lights: &LightTable, frame: Frame, frame
     let passes = times.medians().into_iter().map(|(stem, ms)| (stem.to_owned(), ms)).collect();
     let bandwidth = copied as f64 * 1e-6 / copy_ms.median;
     let steady = bench.steady;
-    Ok(Floors { steady, rays, copied, copy_ms, bandwidth, passes, frame_ms: times.frame_median() })
+    Ok(Roofline { steady, rays, copied, copy_ms, bandwidth, passes, frame_ms: times.frame_median() })
 }
 
 impl Frame {
     fn options(self) -> FrameOptions {
-        let (work, primary) = (Work::Restir(self.settings), self.primary);
-        FrameOptions { work, primary, seed: 0, exposure: 1.0, background: Vec3::ZERO }
+        FrameOptions::new(Work::Restir(self.settings), self.primary, 0)
     }
 
     /// Renders the whole of it; gives its ms.
@@ -159,11 +157,11 @@ struct Bench<'a> {
 }
 
 impl Bench<'_> {
-    fn rays(&mut self, captured: &Captured) -> Result<RayFloor> {
+    fn rays(&mut self, captured: &Captured) -> Result<RayTimes> {
         let hits = captured.hits(self.renderer)?.iter().sum::<u32>() as usize;
         let ms = self.time_pass(captured.kernel())?;
         let rays = captured.rays.iter().filter(|ray| ray.traced != 0).count();
-        Ok(RayFloor { pass: captured.pass, rays, hits, ms, rate: rays as f64 * 1e-3 / ms.median })
+        Ok(RayTimes { pass: captured.pass, rays, hits, ms, rate: rays as f64 * 1e-3 / ms.median })
     }
 
     /// ms of `pass` alone, warm.
