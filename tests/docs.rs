@@ -1,8 +1,8 @@
 //! The pages say what is there: the code that they name, and the files that they link to.
 
 use std::fs;
-use std::path::Path;
-use tests::docs::{code_spans, dangling_links, dangling_names, pages, workspace};
+use std::path::{Path, PathBuf};
+use tests::docs::{code_spans, dangling_links, dangling_names, files, pages, workspace};
 use tests::equations::{contradictions, items, items_of, wrong_numbers};
 
 #[test]
@@ -84,5 +84,79 @@ fn equations_and_doc_comments_agree() {
         );
         let planted = [items.clone(), items_of(Path::new("shared/src/other.rs"), &text)].concat();
         assert_eq!(contradictions(&page, &planted).len(), 1, "{comment}");
+    }
+}
+
+/// Files below `folders` that name `word` in the program: not in comments or tests.
+fn places(word: &str, folders: &[&str]) -> Vec<String> {
+    let sources = folders.iter().flat_map(|folder| files(&workspace().join(folder), "rs"));
+    let names = |file: &PathBuf| is_named(word, &fs::read_to_string(file).unwrap());
+    let inside = |file: PathBuf| file.strip_prefix(workspace()).unwrap().display().to_string();
+    let mut found: Vec<_> =
+        sources.filter(names).map(inside).filter(|file| !file.contains("tests")).collect();
+    found.sort();
+    found
+}
+
+fn is_named(word: &str, text: &str) -> bool {
+    let program = text.split("#[cfg(test)]\nmod tests {").next().unwrap_or_default();
+    let mut lines = program.lines().filter(|line| !line.trim_start().starts_with("//"));
+    lines.any(|line| line.split(|c: char| !c.is_alphanumeric() && c != '_').any(|found| found == word))
+}
+
+/// A pass, a buffer and a knob are written where the pages say, and used by who needs them; nothing else names them.
+#[test]
+fn recipes_name_every_place() {
+    // The viewer, where `accumulate` has its place in the frame, and plans have other things of that name.
+    let gpu = ["shared/src", "shaders/src", "runner/src/frame", "runner/src/vulkan"];
+    let all = ["shared/src", "shaders/src", "runner/src"];
+    for (word, folders, written, used) in [
+        (
+            "accumulate",
+            &gpu[..],
+            &[
+                "shaders/src/lib.rs",
+                "shared/src/passes/accumulate.rs",
+                "shared/src/passes/mod.rs",
+                "shared/src/passes/table.rs",
+            ][..],
+            &[][..],
+        ),
+        (
+            "direct_specular",
+            &all,
+            &["shared/src/resources.rs"],
+            &["runner/src/cli/accumulation.rs", "shared/src/passes/resolve.rs", "shared/src/passes/table.rs"],
+        ),
+        ("confidence_cap", &all, &["shared/src/knobs.rs"], &["shared/src/passes/temporal.rs"]),
+    ] {
+        let mut expected = [written, used].concat();
+        expected.sort();
+        assert_eq!(places(word, folders), expected, "{word}");
+    }
+    // Negative control.
+    assert!(is_named("cap", "let a = self.cap(1);") && !is_named("cap", "// cap\ncapped cap_1"));
+}
+
+/// Examples of the pages are the code that they are taken from.
+#[test]
+fn examples_stand_in_the_code() {
+    let folded = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
+    let program: Vec<_> = files(&workspace().join("shared/src"), "rs")
+        .iter()
+        .map(|file| folded(&fs::read_to_string(file).unwrap()))
+        .collect();
+    let is_there = |example: &str| program.iter().any(|text| text.contains(&folded(example)));
+    for page in ["docs/adding-a-pass.md", "docs/adding-a-buffer.md"] {
+        let text = fs::read_to_string(workspace().join(page)).unwrap();
+        let examples: Vec<_> =
+            text.split("```rust").skip(1).filter_map(|rest| rest.split("```").next()).collect();
+        assert!(!examples.is_empty());
+        for example in examples {
+            let code: Vec<_> = example.lines().filter(|line| !line.trim_start().starts_with("//")).collect();
+            assert!(is_there(&code.join("\n")), "{page}:\n{example}");
+            // Negative control.
+            assert!(!is_there(&code.join("\n").replace(')', "]")));
+        }
     }
 }

@@ -4,9 +4,9 @@ use candela::scene::{Filter, Image, Material, SceneDescription, Texture, Wrap};
 use glam::{DVec2, DVec3, UVec2, Vec2, Vec3};
 use shared::frame::{Settings, mode};
 use std::sync::Arc;
-use tests::gpu::{assert_no_validation_messages, device, reference, renderer, restir};
+use tests::gpu::{assert_no_validation_messages, device, reference, renderer, restir, small};
 use tests::scenes::{camera, emitter, floor_bsdf, floor_point, scene, square};
-use tests::statistics::{block_means, largest_z, mean_and_error};
+use tests::statistics::{assert_means, block_means, largest_z, mean_and_error};
 
 const SIZE: UVec2 = UVec2::new(64, 48);
 const REPLICAS: u32 = 32;
@@ -95,13 +95,7 @@ fn a_screen_lights_the_floor_with_its_picture() {
     let exact: Vec<_> = masked(truth.clone()).into_iter().map(|mean| (mean, 0.0)).collect();
     assert!(clear.iter().filter(|&&c| c).count() > 2000 && truth.iter().all(|l| l.is_finite()));
 
-    let base = Settings {
-        candidates: 8,
-        radius: 8.0,
-        spatial_iterations: 2,
-        mode: mode::UNBIASED,
-        ..Settings::default()
-    };
+    let base = small(mode::UNBIASED);
     let mut lit = renderer(&device, &screen(&TEXELS, 4), SIZE, 1);
     // Dark texels are no lights.
     assert!((3..100).contains(&lit.scene().light_count()), "{} lights", lit.scene().light_count());
@@ -118,9 +112,7 @@ fn a_screen_lights_the_floor_with_its_picture() {
         ("reuse", mean(&mut |r, seed| restir(r, camera, base, 3, seed))),
     ];
     for (name, means) in &pictures {
-        let (z, block) = largest_z(means, &exact);
-        println!("{name}: largest z {z:.2}");
-        assert!(z < Z_LIMIT, "{name}: block {block}: {:?} instead of {:?}", means[block], exact[block]);
+        assert_means(name, means, &exact, Z_LIMIT);
     }
 
     // Negative control: the same energy spread evenly, as an average of the texture would be, is seen at once.

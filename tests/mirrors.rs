@@ -3,9 +3,9 @@
 use candela::scene::SceneDescription;
 use glam::{DVec3, UVec2, Vec3, Vec4};
 use shared::frame::{Settings, mode};
-use tests::gpu::{assert_no_validation_messages, device, reference, renderer, restir};
+use tests::gpu::{assert_no_validation_messages, device, reference, renderer, restir, small};
 use tests::scenes::{camera, emitter, floor_point, kinds, occluded, pane, scene, sky, square};
-use tests::statistics::{block_means, largest_z, mean_and_error};
+use tests::statistics::{assert_means, replicas};
 
 const SIZE: UVec2 = UVec2::new(64, 48);
 /// Half the side of a square lamp over the floor, m, and its middle.
@@ -139,17 +139,8 @@ fn glossy_floors_have_the_mean_of_the_reference() {
     const Z_LIMIT: f64 = 5.9;
     let Some(device) = device() else { return };
     let camera = camera(SIZE);
-    let replicas = |run: &mut dyn FnMut(u32) -> Vec<Vec3>| {
-        let samples: Vec<_> = (1..=REPLICAS).map(run).map(|image| block_means(&image, SIZE)).collect();
-        mean_and_error(&samples)
-    };
-    let base = Settings {
-        candidates: 8,
-        radius: 8.0,
-        spatial_iterations: 2,
-        mode: mode::UNBIASED,
-        ..Settings::default()
-    };
+    let replicas = |run: &mut dyn FnMut(u32) -> Vec<Vec3>| replicas(REPLICAS, SIZE, run);
+    let base = small(mode::UNBIASED);
     for (kind, open) in
         kinds().into_iter().filter(|(kind, _)| ["triangles", "sky", "together"].contains(kind))
     {
@@ -161,9 +152,7 @@ fn glossy_floors_have_the_mean_of_the_reference() {
             ("temporal and spatial", Settings { spatial_iterations: 1, ..base }, 3),
         ] {
             let means = replicas(&mut |seed| restir(&mut renderer, camera, settings, frames, seed));
-            let (z, block) = largest_z(&means, &truth);
-            println!("{kind}, {name}: largest z {z:.2} in block {block}");
-            assert!(z < Z_LIMIT, "{kind}, {name}: block {block}: {:?} {:?}", means[block], truth[block]);
+            assert_means(&format!("{kind}, {name}"), &means, &truth, Z_LIMIT);
         }
     }
     assert_no_validation_messages(&device);

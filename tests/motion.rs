@@ -1,7 +1,7 @@
 //! Scenes that move: the history follows instances and lights, and the unbiased mode keeps the reference's mean.
 
-use candela::frame::renderer::{FrameOptions, Renderer};
-use candela::frame::schedule::{Conditions, Primary, Rotation, Work, schedule};
+use candela::frame::renderer::Renderer;
+use candela::frame::schedule::{Conditions, Rotation, Work, schedule};
 use candela::frame::targets::Target;
 use candela::scene::animation::{Animation, Channel, Curve, Interpolation, Local, Node, Thing, Track};
 use candela::scene::lights::LightEdits;
@@ -13,9 +13,9 @@ use shared::passes::variant;
 use shared::reservoir::StoredReservoir;
 use shared::resources::Resource;
 use shared::surface::GBufferTexel;
-use tests::gpu::{assert_no_validation_messages, device, reference, renderer};
+use tests::gpu::{assert_no_validation_messages, device, options, reference, renderer};
 use tests::scenes::{camera, emitter, scene, square};
-use tests::statistics::{block_means, largest_z, mean_and_error};
+use tests::statistics::{assert_means, largest_z, mean_and_error, replicas};
 
 const SIZE: UVec2 = UVec2::new(64, 48);
 const REPLICAS: u32 = 48;
@@ -74,9 +74,7 @@ fn moving() -> SceneDescription {
 }
 
 fn render(renderer: &mut Renderer, camera: Camera, settings: Settings, seed: u32) {
-    let work = Work::Restir(settings);
-    let primary = Primary::default();
-    let options = FrameOptions { work, primary, seed, exposure: 1.0, background: Vec3::ZERO };
+    let options = options(Work::Restir(settings), seed);
     renderer.render(camera, &options).expect("the frame renders");
 }
 
@@ -94,15 +92,14 @@ fn moving_camera(frame: u32) -> Camera {
 
 /// Block means of frame 3 over independent runs of frames 0 to 3, a second each.
 fn run(renderer: &mut Renderer, scene: &mut SceneDescription, settings: Settings) -> Vec<(f64, f64)> {
-    let mut picture = |seed| {
+    replicas(REPLICAS, SIZE, |seed| {
         renderer.restart();
         for frame in 0..4 {
             pose(renderer, scene, f64::from(frame));
             render(renderer, moving_camera(frame), settings, seed);
         }
-        block_means(&renderer.radiance().expect("the picture is read back"), SIZE)
-    };
-    mean_and_error(&(1..=REPLICAS).map(&mut picture).collect::<Vec<_>>())
+        renderer.radiance().expect("the picture is read back")
+    })
 }
 
 /// Unbiased reuse has the mean of the last frame's reference, with a history from where things were. Taking the past for the
@@ -113,10 +110,7 @@ fn unbiased_reuse_is_right_where_things_move() {
     let mut scene = moving();
     let mut renderer = renderer(&device, &scene, SIZE, 1);
     pose(&mut renderer, &mut scene, 3.0);
-    let truth: Vec<_> = (1..=REPLICAS)
-        .map(|seed| block_means(&reference(&mut renderer, moving_camera(3), 1000 + seed), SIZE))
-        .collect();
-    let truth = mean_and_error(&truth);
+    let truth = replicas(REPLICAS, SIZE, |seed| reference(&mut renderer, moving_camera(3), 1000 + seed));
     let base =
         Settings { candidates: 8, radius: 8.0, spatial: 0, mode: mode::UNBIASED, ..Settings::default() };
     for (name, settings) in [
@@ -125,9 +119,7 @@ fn unbiased_reuse_is_right_where_things_move() {
         ("temporal and spatial", Settings { spatial: 1, ..base }),
     ] {
         let means = run(&mut renderer, &mut scene, settings);
-        let (z, block) = largest_z(&means, &truth);
-        println!("{name}: largest z {z:.2} in block {block}");
-        assert!(z < Z_LIMIT, "{name}: block {block} is off by {z}: {:?} {:?}", means[block], truth[block]);
+        assert_means(name, &means, &truth, Z_LIMIT);
     }
     renderer.ignore_motion(true);
     let z = largest_z(&run(&mut renderer, &mut scene, base), &truth).0;

@@ -15,7 +15,7 @@ use shared::light::kind;
 use shared::math::luminance;
 use std::path::{Path, PathBuf};
 use tests::failure;
-use tests::gpu::{Gpu, assert_no_validation_messages, device, reference, renderer, restir};
+use tests::gpu::{Gpu, assert_no_validation_messages, device, reference, renderer, restir, small};
 use tests::outside::{SIZE, all, named};
 use tests::statistics::{largest_z, mean_and_error};
 
@@ -260,13 +260,7 @@ const Z_LIMIT: f64 = 5.9;
 #[test]
 fn unbiased_resampling_agrees_with_mitsuba() {
     let Some(device) = device() else { return };
-    let settings = Settings {
-        candidates: 8,
-        radius: 8.0,
-        spatial_iterations: 2,
-        mode: mode::UNBIASED,
-        ..Settings::default()
-    };
+    let settings = small(mode::UNBIASED);
     let agrees = |runs: &Runs| (runs.comparison.mean_ratio - 1.0).abs() < 0.01 && runs.largest_z.0 < Z_LIMIT;
     let mut failed = Vec::new();
     for scene in all() {

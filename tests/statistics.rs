@@ -5,9 +5,9 @@
 
 use glam::{UVec2, Vec3};
 use shared::frame::{Settings, mode};
-use tests::gpu::{assert_no_validation_messages, device, reference, renderer, restir};
+use tests::gpu::{assert_no_validation_messages, device, reference, renderer, restir, small};
 use tests::scenes::{camera, kinds, many_lights, occluded};
-use tests::statistics::{block_means, largest_z, mean_and_error};
+use tests::statistics::{assert_means, largest_z};
 
 const SIZE: UVec2 = UVec2::new(64, 48);
 const REPLICAS: u32 = 48;
@@ -15,15 +15,7 @@ const REPLICAS: u32 = 48;
 const Z_LIMIT: f64 = 5.9;
 
 fn cases() -> Vec<(&'static str, Settings, u32)> {
-    let base = Settings {
-        candidates: 8,
-        radius: 8.0,
-        temporal: 0,
-        spatial: 0,
-        spatial_iterations: 2,
-        mode: mode::BIASED,
-        ..Settings::default()
-    };
+    let base = Settings { temporal: 0, spatial: 0, ..small(mode::BIASED) };
     vec![
         ("RIS", base, 1),
         (
@@ -41,15 +33,7 @@ fn cases() -> Vec<(&'static str, Settings, u32)> {
 
 /// Every combination of reuse in the mode that must be right among shadows, with and without visibility reuse.
 fn unbiased_cases() -> Vec<(&'static str, Settings, u32)> {
-    let base = Settings {
-        candidates: 8,
-        radius: 8.0,
-        temporal: 0,
-        spatial_iterations: 2,
-        mode: mode::UNBIASED,
-        pairs: 0,
-        ..Settings::default()
-    };
+    let base = Settings { temporal: 0, pairs: 0, ..small(mode::UNBIASED) };
     let temporal = Settings { temporal: 1, spatial: 0, ..base };
     vec![
         ("unbiased spatial", base, 1),
@@ -65,8 +49,7 @@ fn unbiased_cases() -> Vec<(&'static str, Settings, u32)> {
 }
 
 fn replicas(run: impl FnMut(u32) -> Vec<Vec3>) -> Vec<(f64, f64)> {
-    let samples: Vec<_> = (1..=REPLICAS).map(run).map(|image| block_means(&image, SIZE)).collect();
-    mean_and_error(&samples)
+    tests::statistics::replicas(REPLICAS, SIZE, run)
 }
 
 #[test]
@@ -77,14 +60,7 @@ fn reuse_has_the_mean_of_the_reference() {
     let truth = replicas(|seed| reference(&mut renderer, camera, 1000 + seed));
     for (name, settings, frames) in cases() {
         let means = replicas(|seed| restir(&mut renderer, camera, settings, frames, seed));
-        let (z, block) = largest_z(&means, &truth);
-        println!("{name}: largest z {z:.2} in block {block}");
-        assert!(
-            z < Z_LIMIT,
-            "{name}: block {block} is off by {z} standard errors: {:?} {:?}",
-            means[block],
-            truth[block]
-        );
+        assert_means(name, &means, &truth, Z_LIMIT);
     }
     assert_no_validation_messages(&device);
 }
@@ -98,14 +74,7 @@ fn unbiased_reuse_is_right_among_shadows() {
     let truth = replicas(|seed| reference(&mut renderer, camera, 1000 + seed));
     for (name, settings, frames) in unbiased_cases() {
         let means = replicas(|seed| restir(&mut renderer, camera, settings, frames, seed));
-        let (z, block) = largest_z(&means, &truth);
-        println!("{name}: largest z {z:.2} in block {block}");
-        assert!(
-            z < Z_LIMIT,
-            "{name}: block {block} is off by {z} standard errors: {:?} {:?}",
-            means[block],
-            truth[block]
-        );
+        assert_means(name, &means, &truth, Z_LIMIT);
     }
     let (_, settings, frames) = unbiased_cases()[4];
     let biased = Settings { mode: mode::BIASED, ..settings };
@@ -119,13 +88,7 @@ fn unbiased_reuse_is_right_among_shadows() {
 fn each_kind_of_light_has_the_mean_of_the_reference() {
     let Some(device) = device() else { return };
     let camera = camera(SIZE);
-    let base = Settings {
-        candidates: 8,
-        radius: 8.0,
-        spatial_iterations: 2,
-        mode: mode::BIASED,
-        ..Settings::default()
-    };
+    let base = small(mode::BIASED);
     for (kind, scene) in kinds() {
         let mut renderer = renderer(&device, &scene, SIZE, 1);
         let truth = replicas(|seed| reference(&mut renderer, camera, 1000 + seed));
@@ -135,10 +98,8 @@ fn each_kind_of_light_has_the_mean_of_the_reference() {
             ("temporal and spatial", Settings { spatial_iterations: 1, ..base }, 3),
         ] {
             let means = replicas(|seed| restir(&mut renderer, camera, settings, frames, seed));
-            let (z, block) = largest_z(&means, &truth);
-            println!("{kind}, {name}: largest z {z:.2} in block {block}");
             assert!(truth.iter().all(|&(mean, _)| mean > 0.0), "{kind}: every block is lit");
-            assert!(z < Z_LIMIT, "{kind}, {name}: block {block}: {:?} {:?}", means[block], truth[block]);
+            assert_means(&format!("{kind}, {name}"), &means, &truth, Z_LIMIT);
         }
     }
     assert_no_validation_messages(&device);
