@@ -14,7 +14,7 @@ const CHILD: &str = "CANDELA_DETERMINISM_CHILD";
 const MARK: &str = "picture hash ";
 
 fn settings() -> Settings {
-    Settings { reservoirs: 2, spatial_iterations: 2, mode: mode::UNBIASED, ..Settings::default() }
+    Settings { reservoirs: 2, spatial_iterations: 2, cells: 1, mode: mode::UNBIASED, ..Settings::default() }
 }
 
 /// None on a machine that may be without a device.

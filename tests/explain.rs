@@ -85,6 +85,7 @@ fn cases() -> Vec<(&'static str, Settings)> {
         ("unbiased", unbiased),
         ("unbiased, tiles", Settings { tiles: 1, ..unbiased }),
         ("unbiased, pairs", Settings { pairs: 1, ..unbiased }),
+        ("unbiased, cells", Settings { cells: 1, ..unbiased }),
         ("unbiased, no visibility reuse", Settings { visibility_reuse: 0, ..unbiased }),
     ]
 }

@@ -5,8 +5,9 @@ use std::path::Path;
 use tests::docs::{files, workspace};
 
 /// A room imports only from those before it.
-const ROOMS: [&str; 16] = [
+const ROOMS: [&str; 17] = [
     "error",
+    "stdout",
     "files",
     "exposure",
     "parallel",

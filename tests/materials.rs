@@ -180,7 +180,7 @@ fn unused_features_cost_nothing() {
     let screen = Material { emissive_texture: Some(0), ..glowing.clone() };
     let blended = Material { alpha: AlphaMode::Blend, ..Material::default() };
     let sky = Environment { size: UVec2::new(4, 2), radiance: vec![Vec3::ONE; 8] };
-    let plain = ["geometry", "materials", "point lights", "alias table"];
+    let plain = ["geometry", "materials", "point lights", "alias table", "light tree"];
     type Case<'a> = (&'a str, Material, Option<Environment>, u32, &'a [&'a str]);
     let cases: [Case; 9] = [
         ("nothing", Material::default(), None, 0, &[]),

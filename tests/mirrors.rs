@@ -90,6 +90,7 @@ fn mirrors_show_what_they_mirror() {
         for (case, settings) in [
             ("alone", alone),
             ("tiles", Settings { tiles: 1, ..alone }),
+            ("cells", Settings { cells: 1, ..alone }),
             ("unbiased", Settings { mode: mode::UNBIASED, ..reuse }),
         ] {
             let right = share(settings, &truth);
@@ -148,6 +149,7 @@ fn glossy_floors_have_the_mean_of_the_reference() {
         let truth = replicas(&mut |seed| reference(&mut renderer, camera, 1000 + seed));
         for (name, settings, frames) in [
             ("alone", Settings { temporal: 0, spatial: 0, ..base }, 1),
+            ("cells, 2 BSDF", Settings { temporal: 0, spatial: 0, cells: 1, bsdf_candidates: 2, ..base }, 3),
             ("tiles, 4 BSDF", Settings { temporal: 0, spatial: 0, tiles: 1, bsdf_candidates: 4, ..base }, 1),
             ("temporal and spatial", Settings { spatial_iterations: 1, ..base }, 3),
         ] {

@@ -183,7 +183,7 @@ fn planted_errors_are_seen() {
     };
     type Change = fn(&mut SceneDescription);
     let planted: [(&str, &str, &str, Change); 9] = [
-        ("1 % more light", "point", "point", |s| *s.lights[0].emission_mut() *= 1.01),
+        ("1 % more light", "point", "point", |s| s.lights.iter_mut().for_each(|l| *l.emission_mut() *= 1.01)),
         ("a light off by 2 cm", "point", "point", |s| {
             let beside =
                 DAffine3::from_translation((s.lights[0].position().unwrap() + 0.02 * Vec3::X).as_dvec3());

@@ -72,6 +72,7 @@ fn unbiased_pixels_are_the_references() {
             ("temporal and spatial", unbiased(), 4),
             ("tiles, temporal and spatial, two reservoirs", all, 3),
             ("the same without visibility reuse", Settings { visibility_reuse: 0, ..all }, 2),
+            ("cells that have learned", Settings { cells: 1, ..all }, 5),
         ] {
             let runs = runs(&mut renderer, camera, settings, frames);
             let test = compare_pixels(&runs, &truth, SIZE);

@@ -58,6 +58,7 @@ fn alpha_key(pixel: UVec2) -> u32 {
         background: Vec3::ZERO,
         environment_size: UVec2::ZERO,
         first_environment_light: 0,
+        tree_lights: 0,
     };
     primary_key(&frame, pixel)
 }

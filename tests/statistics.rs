@@ -44,6 +44,7 @@ fn unbiased_cases() -> Vec<(&'static str, Settings, u32)> {
         ("unbiased, tiles", Settings { temporal: 1, tiles: 1, ..base }, 4),
         ("unbiased pairs", Settings { pairs: 1, ..base }, 1),
         ("unbiased pairs without visibility reuse", Settings { pairs: 1, visibility_reuse: 0, ..base }, 1),
+        ("cells that have learned", Settings { temporal: 1, pairs: 1, cells: 1, ..base }, 4),
         ("unbiased temporal and pairs", Settings { temporal: 1, pairs: 1, reservoirs: 2, ..base }, 4),
     ]
 }
@@ -94,6 +95,7 @@ fn each_kind_of_light_has_the_mean_of_the_reference() {
         let truth = replicas(|seed| reference(&mut renderer, camera, 1000 + seed));
         for (name, settings, frames) in [
             ("RIS", Settings { temporal: 0, spatial: 0, ..base }, 1),
+            ("RIS from cells", Settings { temporal: 0, spatial: 0, cells: 1, ..base }, 3),
             ("RIS from tiles", Settings { temporal: 0, spatial: 0, tiles: 1, ..base }, 1),
             ("temporal and spatial", Settings { spatial_iterations: 1, ..base }, 3),
         ] {

@@ -16,7 +16,7 @@ macro_rules! modules {
 }
 
 macro_rules! passes {
-    ($(($body:ident $extent:ident { $($stage:ident $rays:tt $stem:ident),* } $read:tt $update:tt $write:tt))*) => {
+    ($(($body:ident $extent:ident { $($stage:ident $rays:tt $stem:ident),* } $read:tt $update:tt $write:tt $($count:tt)?))*) => {
         modules! {
             $($($stem)*)*;
             visibility_vertex visibility_alpha_vertex visibility_alpha

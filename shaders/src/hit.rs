@@ -86,7 +86,7 @@ macro_rules! transparency {
             #[spirv(storage_buffer, descriptor_set = 0, binding = 4)] indices: &[u32],
             #[spirv(storage_buffer, descriptor_set = 0, binding = 5)] materials: &[Material],
             #[spirv(storage_buffer, descriptor_set = 0, binding = 8)] second_uvs: &[Vec2],
-            #[spirv(descriptor_set = 0, binding = 10)] $textures: &Textures,
+            #[spirv(descriptor_set = 0, binding = 32)] $textures: &Textures,
         ) {
             let $scene = Transparency { features, instances, attributes, indices, materials, second_uvs };
             $body

@@ -13,6 +13,7 @@ pub mod visibility;
 
 use crate::textures::Textures;
 use crate::trace::{Eye, Nearest, Previous, Traced};
+use shared::counters::Counters;
 use shared::frame::FrameConstants;
 use shared::glam::UVec3;
 use shared::interface::{HitPayload, PassConstants, ShadowPayload};
@@ -26,8 +27,9 @@ use spirv_std::spirv;
 mod body {
     pub use crate::primary::{gbuffer, gbuffer_raster, roofline_primary};
     pub use shared::passes::{
-        accumulate, initial, pair_merge, pair_targets, presample, reference, reference_parts, resolve,
-        roofline_copy, roofline_shadow, shade, shade_parts, spatial, statistics, temporal, tonemap, view,
+        accumulate, cells, initial, learn_beliefs, learn_lists, mark_cells, observe, pair_merge,
+        pair_targets, pools, presample, reference, reference_parts, resolve, roofline_copy, roofline_shadow,
+        shade, shade_parts, spatial, statistics, temporal, tonemap, view,
     };
 }
 
@@ -38,34 +40,39 @@ macro_rules! define_entry {
     };
 }
 
-// `$d` stands for the dollar sign of the inner macro. Arguments: what is still to be read, updated and written; parameters,
+// `$d` stands for the dollar sign of the inner macro. Arguments: what is still to be read, updated, written and counted in; parameters,
 // arguments of the body and stores so far; and the pass.
 macro_rules! entry_rules {
     (($d:tt) $($name:ident $set:tt $binding:tt ($element:ty))*) => {
         macro_rules! entry {
             $(
-            ([$name $d($read:ident)*] $update:tt $write:tt [$d($params:tt)*] [$d($args:tt)*] $stores:tt $pass:tt) => {
-                entry! { [$d($read)*] $update $write
+            ([$name $d($read:ident)*] $update:tt $write:tt $count:tt [$d($params:tt)*] [$d($args:tt)*] $stores:tt $pass:tt) => {
+                entry! { [$d($read)*] $update $write $count
                     [$d($params)* #[spirv(storage_buffer, descriptor_set = $set, binding = $binding)] $name: &[$element],]
                     [$d($args)* (read $name)] $stores $pass }
             };
-            ([] [$name $d($update:ident)*] $write:tt [$d($params:tt)*] [$d($args:tt)*] [$d($stores:ident)*] $pass:tt) => {
-                entry! { [] [$d($update)*] $write
+            ([] [$name $d($update:ident)*] $write:tt $count:tt [$d($params:tt)*] [$d($args:tt)*] [$d($stores:ident)*] $pass:tt) => {
+                entry! { [] [$d($update)*] $write $count
                     [$d($params)* #[spirv(storage_buffer, descriptor_set = $set, binding = $binding)] $name: &mut [$element],]
                     [$d($args)* (own $name)] [$d($stores)* $name] $pass }
             };
-            ([] [] [$name $d($write:ident)*] [$d($params:tt)*] $args:tt [$d($stores:ident)*] $pass:tt) => {
-                entry! { [] [] [$d($write)*]
+            ([] [] [$name $d($write:ident)*] $count:tt [$d($params:tt)*] $args:tt [$d($stores:ident)*] $pass:tt) => {
+                entry! { [] [] [$d($write)*] $count
                     [$d($params)* #[spirv(storage_buffer, descriptor_set = $set, binding = $binding)] $name: &mut [$element],]
                     $args [$d($stores)* $name] $pass }
             };
+            ([] [] [] [$name $d($count:ident)*] [$d($params:tt)*] [$d($args:tt)*] $stores:tt $pass:tt) => {
+                entry! { [] [] [] [$d($count)*]
+                    [$d($params)* #[spirv(storage_buffer, descriptor_set = $set, binding = $binding)] $name: &mut [$element],]
+                    [$d($args)* (count $name)] $stores $pass }
+            };
             )*
-            ([textures $d($read:ident)*] $update:tt $write:tt [$d($params:tt)*] [$d($args:tt)*] $stores:tt $pass:tt) => {
-                entry! { [$d($read)*] $update $write
-                    [$d($params)* #[spirv(descriptor_set = 0, binding = 10)] textures: &Textures,]
+            ([textures $d($read:ident)*] $update:tt $write:tt $count:tt [$d($params:tt)*] [$d($args:tt)*] $stores:tt $pass:tt) => {
+                entry! { [$d($read)*] $update $write $count
+                    [$d($params)* #[spirv(descriptor_set = 0, binding = 32)] textures: &Textures,]
                     [$d($args)* (read textures)] $stores $pass }
             };
-            ([] [] [] $params:tt $args:tt $stores:tt $pass:tt) => {
+            ([] [] [] [] $params:tt $args:tt $stores:tt $pass:tt) => {
                 written! { $pass $params $args $stores }
             };
         }
@@ -141,26 +148,30 @@ macro_rules! argument {
     (own $name:ident $index:ident) => {
         $name[$index]
     };
+    (count $name:ident $index:ident) => {
+        Counters::new($name)
+    };
 }
 
 macro_rules! store {
+    ([] $index:ident, $value:expr) => { let _ = $index; $value; };
     ([$out:ident] $index:ident, $value:expr) => { $out[$index] = $value; };
     ([$($out:ident)*] $index:ident, $value:expr) => { ($($out[$index]),*) = $value; };
 }
 
 macro_rules! entries {
     ($(($body:ident $extent:ident { $($stage:ident($($rays:ident)*) $stem:ident),* }
-        [$($read:ident)*] [$($update:ident)*] [$($write:ident)*]))*) => {
-        $(entries_of! { $body $extent [$($stage($($rays)*) $stem)*] [$($read)*] [$($update)*] [$($write)*] })*
+        $read:tt $update:tt $write:tt $([$($count:ident)*])?))*) => {
+        $(entries_of! { $body $extent [$($stage($($rays)*) $stem)*] $read $update $write [$($($count)*)?] })*
     };
 }
 
 macro_rules! entries_of {
-    ($body:ident $extent:ident [] $read:tt $update:tt $write:tt) => {};
-    ($body:ident $extent:ident [drawn() $stem:ident] $read:tt $update:tt $write:tt) => {};
-    ($body:ident $extent:ident [$stage:ident($($rays:ident)*) $stem:ident $($more:tt)*] $read:tt $update:tt $write:tt) => {
-        entry! { $read $update $write [] [] [] ($body $stem $extent $stage $($rays)*) }
-        entries_of! { $body $extent [$($more)*] $read $update $write }
+    ($body:ident $extent:ident [] $read:tt $update:tt $write:tt $count:tt) => {};
+    ($body:ident $extent:ident [drawn() $stem:ident] $read:tt $update:tt $write:tt $count:tt) => {};
+    ($body:ident $extent:ident [$stage:ident($($rays:ident)*) $stem:ident $($more:tt)*] $read:tt $update:tt $write:tt $count:tt) => {
+        entry! { $read $update $write $count [] [] [] ($body $stem $extent $stage $($rays)*) }
+        entries_of! { $body $extent [$($more)*] $read $update $write $count }
     };
 }
 

@@ -24,7 +24,7 @@ macro_rules! default {
         $on as u32
     };
     // Off: how many lights there are is not known here.
-    (auto ($from:literal) $auto:ident) => {
+    (auto ($lights:expr) $auto:ident) => {
         0
     };
     (choice ($type:ident, $value:expr) $choice:ident) => {
@@ -128,6 +128,8 @@ pub struct FrameConstants {
     pub environment_size: UVec2,
     /// Index of the light of the map's first lit texel.
     pub first_environment_light: u32,
+    /// Lights of the light tree.
+    pub tree_lights: u32,
 }
 
 impl FrameConstants {

@@ -16,13 +16,13 @@
 /// - `number(RANGE, STEP)`, f32: above 0; the viewer goes through the range in steps,
 /// - `angle(RANGE, STEP)`, f32: degrees above 0, not beyond the range's end; the field is the cosine,
 /// - `switch()`, u32: on (1) or off (0),
-/// - `auto(N)`, u32: on, off, or on from N lights on,
+/// - `auto(RANGE)`, u32: on, off, or on with so many lights,
 /// - `choice(TYPE, VALUE)`, u32: one of a few words; the field's value of the default.
 #[macro_export]
 macro_rules! knobs {
     ($with:ident { $($host:tt)* }) => { $with! { {
         candidates -> candidates: count(1..=1024, Doubled) = 32,
-            label "Light samples", about "Light candidates of each reservoir, which keeps one of them",
+            label "Light samples", about "Light candidates of each reservoir, which keeps one of them; half as many from `cells`",
             higher "less noise; time grows with it", lower "faster, noisier", bias "none";
         bsdf_candidates -> bsdf_candidates: count(0..=4, One) = 1,
             label "BSDF samples",
@@ -77,10 +77,15 @@ macro_rules! knobs {
             higher "unbiased: the right mean, more rays", lower "biased: faster, too dark where neighbors disagree",
             bias "this is the choice";
         // 4096 as measured on an H100 (docs/performance.md): equal at 500 lights, faster from some thousands on.
-        tiles -> tiles: auto(4096) = Auto,
+        tiles -> tiles: auto(4096..=u32::MAX) = Auto,
             label "Light tiles", about "Draw light candidates from small presampled lists",
             higher "faster with very many lights", lower "each pixel draws from all lights",
             bias "none; neighboring pixels share candidates";
+        // One light is drawn every time anyway; of thousands the pools of cells hold too few (docs/performance.md).
+        cells -> cells: auto(2..=4095) = Auto,
+            label "Light cells", about "Draw light candidates from what cells of the world have learned to see; `tiles` act without them",
+            higher "far less noise where many lights are hidden or far away", lower "candidates by power alone",
+            bias "none";
         pairs -> pairs: switch() = true,
             label "Pairs", about "Merge pairs of pixels that chose each other, not `neighbors`; acts in unbiased mode",
             higher "one ray a pixel and pass", lower "several neighbors, two rays", bias "none";

@@ -27,7 +27,7 @@
 //! docs/algorithm.md, of Bitterli et al. 2020 and of the thesis (Karlović 2022), as in that page's table.
 //!
 //! Reading order: [`math`], [`rng`], [`pdf`], [`sampling`], [`alias_table`], [`environment`], [`light`], [`camera`],
-//! [`frame`] (its settings: [`knobs!`]), [`geometry`], [`raster`], [`material`], [`ray_cone`], [`alpha`], [`surface`], [`bsdf`], [`target`], [`shadow`],
+//! [`cells`], [`counters`], [`frame`] (its settings: [`knobs!`]), [`geometry`], [`raster`], [`material`], [`ray_cone`], [`alpha`], [`surface`], [`bsdf`], [`target`], [`shadow`],
 //! [`reservoir`], [`motion`], [`resampling`], [`shading`], [`passes`], [`tonemap`], [`view`], [`statistics`],
 //! [`stored_ray`], [`resources`], [`interface`].
 #![cfg_attr(target_arch = "spirv", no_std)]
@@ -37,6 +37,8 @@ pub mod alias_table;
 pub mod alpha;
 pub mod bsdf;
 pub mod camera;
+pub mod cells;
+pub mod counters;
 pub mod environment;
 pub mod frame;
 pub mod geometry;

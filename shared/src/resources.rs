@@ -24,6 +24,9 @@ macro_rules! resources {
             (0    alias                (AliasEntry)        1      Scene       { alias = 7 })
             (0    second_uvs           (Vec2)              1      Scene       { second_uvs = 8 })
             (0    environment          (EnvironmentTexel)  1      Scene       { environment = 9 })
+            (0    tree_nodes           (TreeNode)          1      Scene       { tree_nodes = 10 })
+            (0    tree_lights          (u32)               1      Scene       { tree_lights = 11 })
+            (0    tree_leaves          (u32)               1      Scene       { tree_leaves = 12 })
             (1    gbuffer              (GBufferTexel)      2      Pixels      { gbuffer = 1, previous_gbuffer = 2 })
             (1    reservoirs           (StoredReservoir)   3      Reservoirs  { reservoirs = 3, merged = 4, history = 5 })
             (1    radiance             (Vec3)              1      Pixels      { radiance = 6 })
@@ -40,6 +43,14 @@ macro_rules! resources {
             (1    emission             (Vec3)              1      Pixels      { emission = 17 })
             (1    direct_diffuse       (Vec3)              1      Pixels      { direct_diffuse = 18 })
             (1    direct_specular      (Vec3)              1      Pixels      { direct_specular = 19 })
+            (1    marks                (u32)               1      Cells       { marks = 20 })
+            (1    cells                (Cell)              1      Cells       { cells = 21 })
+            (1    lists                (ListEntry)         1      Lists       { lists = 22 })
+            (1    findings             (u32)               1      Lists       { findings = 23 })
+            (1    beliefs              (u32)               1      Beliefs     { beliefs = 24 })
+            (1    observations         (u32)               1      Beliefs     { observations = 25 })
+            (1    pool_entries         (TileEntry)         1      Pools       { pool_entries = 26 })
+            (1    pool_points          (u32)               1      Pools       { pool_points = 27 })
             (2    previous_lights      (Light)             1      Scene       { previous_lights = 1 })
             (2    motions              (InstanceMotion)    1      Scene       { motions = 2 })
             (2    previous_to_current  (u32)               1      Scene       { previous_to_current = 3 })
@@ -51,10 +62,13 @@ macro_rules! resources {
 /// What buffers hold: the types of the table.
 pub mod element {
     pub use crate::alias_table::AliasEntry;
+    pub use crate::cells::Cell;
+    pub use crate::cells::list::ListEntry;
     pub use crate::environment::EnvironmentTexel;
     pub use crate::geometry::{InstanceGeometry, VertexAttributes};
     pub use crate::light::Light;
     pub use crate::light::tile::TileEntry;
+    pub use crate::light::tree::TreeNode;
     pub use crate::material::Material;
     pub use crate::motion::InstanceMotion;
     pub use crate::passes::pair_targets::PairTargets;
@@ -76,7 +90,7 @@ pub mod set {
     /// Acceleration structures of sets 0 and 2.
     pub const STRUCTURE: u32 = 0;
     /// Set 0, the last one: its length varies.
-    pub const TEXTURES: u32 = 10;
+    pub const TEXTURES: u32 = 32;
     /// Set 1: [`crate::frame::FrameConstants`].
     pub const CONSTANTS: u32 = 0;
 }
@@ -94,6 +108,14 @@ pub enum Extent {
     Reservoirs,
     /// One for each entry of the light tiles.
     Tiles,
+    /// One for each cell of the world, see [`crate::cells`].
+    Cells,
+    /// One for each place of each cell's list.
+    Lists,
+    /// One for each belief of cells.
+    Beliefs,
+    /// One for each sample of each cell's pool.
+    Pools,
     /// One for each block of [`crate::statistics::BLOCK`] x BLOCK pixels.
     Blocks,
 }

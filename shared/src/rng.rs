@@ -18,6 +18,10 @@ pub enum Stream {
     Tiles = 7,
     /// Which pixels are partners.
     Pairs = 8,
+    /// By how much a pixel's place is shifted among the cells of the world.
+    Cells = 9,
+    /// Light samples of cells' pools.
+    Pools = 10,
 }
 
 /// Random numbers of one pixel in one pass.

@@ -7,6 +7,7 @@ use super::record::{
 use super::replay::Replay;
 use glam::{UVec2, Vec3};
 use shared::alpha::SURE_HITS_ONLY;
+use shared::cells::pool::POOL;
 use shared::interface::HitPayload;
 use shared::light::LightSample;
 use shared::light::tile::{TILE_SIZE, presample};
@@ -108,7 +109,11 @@ impl<'a> Heard<'a> {
     }
 
     pub fn tile(&mut self, tile: u32) {
-        self.report.tile = Some(Tile { tile, equal_entries: 0 });
+        if self.replay.at(self.lane).is(variant::CELLS) {
+            self.report.cell = Some(tile);
+        } else {
+            self.report.tile = Some(Tile { tile, equal_entries: 0 });
+        }
     }
 
     pub fn bsdf_ray(&mut self, ray: &BsdfRay, _: HitPayload, _: u32) {
@@ -139,7 +144,8 @@ impl<'a> Heard<'a> {
             let (at, surface) = (self.replay.at(self.lane), self.surface());
             let lights = at.light_table(self.replay.buffers.lights, self.replay.buffers.alias);
             let techniques = Techniques::new(&at.frame.settings, at.features);
-            *candidate = ray.candidate_at(&surface, lights, techniques, self.gpu.sample);
+            let source_pdf = self.replay.source_pdf(self.lane, self.gpu.sample.light);
+            *candidate = ray.candidate_at(&surface, lights, techniques, self.gpu.sample, source_pdf);
         }
     }
 
@@ -156,15 +162,19 @@ impl<'a> Heard<'a> {
 
     pub fn candidate(&mut self, technique: Technique, candidate: &Candidate, fresh: &Fresh, stays: bool) {
         let light = candidate.sample.light;
+        let place = candidate.sample.uv;
+        let pool = technique == Technique::Pool;
         self.report.candidates.push(CandidateReport {
             by: match technique {
                 Technique::Table => "table",
                 Technique::Tile => "tile",
+                Technique::Pool => self.replay.source(self.lane, place % POOL),
                 Technique::Bsdf => "bsdf",
             },
             light,
             kind: self.replay.world.kind(light),
             source_pdf: candidate.source_pdf.0,
+            believed: if pool { self.replay.buffers.pool_entries[place as usize].visibility() } else { 1.0 },
             target: candidate.target,
             weight: candidate.weight(),
             weight_sum: fresh.reservoir.weight_sum,

@@ -85,6 +85,9 @@ impl<'a> World<'a> {
         Buffers {
             lights: &self.lights.lights,
             alias: &self.lights.alias,
+            tree_nodes: &self.lights.tree.nodes,
+            tree_lights: &self.lights.tree.lights,
+            tree_leaves: &self.lights.tree.leaves,
             instances: &self.occluders.arrays.instances,
             environment: &self.environment,
             previous_lights: past.map_or(&[], |past| &past.lights),

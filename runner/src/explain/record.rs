@@ -51,6 +51,8 @@ pub struct PassReport {
     pub iteration: u32,
     /// Which of the pixel's reservoirs.
     pub reservoir: u32,
+    /// Of `initial`: the cell of the world whose pool they come from, if any.
+    pub cell: Option<u32>,
     /// Of `initial`: the tile they come from, if any.
     pub tile: Option<Tile>,
     pub candidates: Vec<Candidate>,
@@ -89,12 +91,14 @@ pub struct Tile {
 
 #[derive(Clone, Debug, Serialize)]
 pub struct Candidate {
-    /// `table`, `tile` or `bsdf`: where it comes from.
+    /// `table`, `tile` or `bsdf`: where it comes from; of a cell's pool `list`, `tree` or `table`.
     pub by: &'static str,
     pub light: u32,
     pub kind: &'static str,
     /// p of all techniques together, in the light's measure: 1/m², 1/sr, or 1.
     pub source_pdf: f32,
+    /// The fraction of its light that its cell believes to arrive, which is in p̂; 1 where nothing is believed.
+    pub believed: f32,
     /// p̂
     pub target: f32,
     /// w = p̂/p

@@ -6,11 +6,14 @@ use super::heard::Heard;
 use super::record::{PassReport, Shading};
 use crate::frame::follow::Ran;
 use glam::{UVec2, Vec3};
+use shared::cells::cell_of;
+use shared::cells::pool::Sources;
 use shared::interface::HitPayload;
 use shared::passes::pair_targets::PairTargets;
 use shared::passes::{
-    Assumed, At, Body, Output, Question, Silent, Stage, Technique, Visibility, Witness, run,
+    Assumed, At, Body, Output, Question, Silent, Stage, Technique, Visibility, Witness, run, variant,
 };
+use shared::pdf::SourcePdf;
 use shared::reflected::Reflected;
 use shared::resampling::initial::{BsdfRay, Candidate, Fresh};
 use shared::resampling::pairwise::Weighed;
@@ -75,6 +78,30 @@ impl Replay<'_> {
 
     pub fn at(&self, lane: u32) -> At<'_> {
         self.ran.at(self.world.features(), self.pixel, lane)
+    }
+
+    /// The density with which the pass draws candidates on `light`, but for BSDF rays.
+    pub fn source_pdf(&self, lane: u32, light: u32) -> SourcePdf {
+        let (at, b) = (self.at(lane), &self.buffers);
+        if at.is(variant::CELLS) {
+            self.sources(lane).pdf(light)
+        } else {
+            at.light_table(b.lights, b.alias).pdf(light)
+        }
+    }
+
+    /// What entry `entry` of the pool of the pixel's cell is drawn from.
+    pub fn source(&self, lane: u32, entry: u32) -> &'static str {
+        self.sources(lane).name(entry)
+    }
+
+    /// Of the pixel's cell.
+    fn sources(&self, lane: u32) -> Sources<'_> {
+        let (at, b) = (self.at(lane), &self.buffers);
+        let table = at.light_table(b.lights, b.alias);
+        let tree = at.light_tree(b.tree_nodes, b.tree_lights, b.tree_leaves);
+        let place = cell_of(at.frame, &at.surface(&at.texel(b.gbuffer)), at.pixel);
+        Sources { table, tree, lists: b.lists, place, cell: b.cells[place as usize] }
     }
 
     fn run(&self, lane: u32, buffers: &Buffers<'_>, heard: &Listener<'_>) -> Option<Output> {

@@ -121,6 +121,12 @@ impl Display for PassReport {
             String::new()
         };
         writeln!(f, "{}{iteration}, reservoir {}", self.pass, self.reservoir)?;
+        if let Some(cell) = self.cell {
+            writeln!(
+                f,
+                "  from the pool of cell {cell}; v: the fraction of a light that it believes to arrive"
+            )?;
+        }
         if let Some(tile) = &self.tile {
             let all = self.candidates.iter().filter(|candidate| candidate.by == "tile").count();
             let equal = tile.equal_entries;
@@ -133,15 +139,18 @@ impl Display for PassReport {
         if !self.candidates.is_empty() {
             writeln!(
                 f,
-                "    {:5} {:>8} {:11} {:>12} {:>12} {:>12} {:>12}",
-                "by", "light", "kind", "p", "p̂", "w = p̂/p", "Σw"
+                "    {:5} {:>8} {:11} {:>12} {:>6} {:>12} {:>12} {:>12}",
+                "by", "light", "kind", "p", "v", "p̂", "w = p̂/p", "Σw"
             )?;
         }
         for c in &self.candidates {
             let [p, target, weight, sum] = [c.source_pdf, c.target, c.weight, c.weight_sum].map(number);
             let (mark, light, kind) = (mark(c.chosen), c.light, c.kind);
-            let by = c.by;
-            writeln!(f, "  {mark} {by:5} {light:>8} {kind:11} {p:>12} {target:>12} {weight:>12} {sum:>12}")?;
+            let (by, v) = (c.by, c.believed);
+            writeln!(
+                f,
+                "  {mark} {by:5} {light:>8} {kind:11} {p:>12} {v:>6.3} {target:>12} {weight:>12} {sum:>12}"
+            )?;
         }
         if let Some(own) = &self.canonical {
             let line = Neighbor { merged: Some(own.clone()), ..Neighbor::default() };

@@ -202,6 +202,7 @@ impl Recorder {
             background: options.background,
             environment_size: self.scene.environment_size(),
             first_environment_light: self.scene.first_environment_light(),
+            tree_lights: self.scene.tree_lights(),
         };
         let draws = options.primary.draws(&self.device);
         let features = self.scene.features();

@@ -114,11 +114,14 @@ fn restir_di(frame: &mut Frame, settings: &Settings) {
     let Conditions { moved, still, features, parts, .. } = frame.conditions;
     let unbiased = settings.mode == mode::UNBIASED;
     let weights = if unbiased { variant::UNBIASED } else { 0 };
-    let tiled = if settings.tiles != 0 { variant::TILED } else { 0 };
-    if settings.tiles != 0 {
+    if settings.cells != 0 {
+        candidates_of_cells(frame);
+    } else if settings.tiles != 0 {
         frame.run(Pass::presample);
+        frame.run_variant(Pass::initial, variant::TILED);
+    } else {
+        frame.run(Pass::initial);
     }
-    frame.run_variant(Pass::initial, tiled);
     if settings.temporal != 0 {
         // At rest all visibility is known; nobody asks where it is left to shading.
         let known = !moved && (still || !settings.visibility_is_known());
@@ -143,6 +146,15 @@ fn restir_di(frame: &mut Frame, settings: &Settings) {
         (true, false) => Pass::shade_parts,
         (true, true) => Pass::shade_parts_traced,
     });
+}
+
+/// Fresh candidates from what the cells of the world have learned; and what they learn of it.
+fn candidates_of_cells(frame: &mut Frame) {
+    for pass in [Pass::learn_beliefs, Pass::learn_lists, Pass::mark_cells, Pass::cells, Pass::pools] {
+        frame.run(pass);
+    }
+    frame.run_variant(Pass::initial, variant::CELLS);
+    frame.run(Pass::observe);
 }
 
 /// The sum over `lights`.

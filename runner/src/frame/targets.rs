@@ -55,7 +55,11 @@ impl Targets {
         for copy in 0..resource.copies() {
             let target = Target { resource, copy };
             if let Entry::Vacant(place) = self.buffers.entry(target) {
-                place.insert(storage(device, &format!("{} {copy}", resource.name()), bytes)?);
+                let buffer = storage(device, &format!("{} {copy}", resource.name()), bytes)?;
+                if counts(resource) {
+                    clear(device, &buffer)?;
+                }
+                place.insert(buffer);
             }
         }
         if resource == Resource::visibility && self.drawn.is_none() {
@@ -103,6 +107,20 @@ impl Targets {
         let images = self.drawn.as_ref().map_or(0, |_| pixels * DrawTarget::BYTES);
         self.buffers.values().map(Buffer::size).sum::<u64>() + images
     }
+}
+
+/// Do passes count in it from frame to frame?
+fn counts(resource: Resource) -> bool {
+    matches!(resource.extent(), Extent::Cells | Extent::Lists | Extent::Beliefs)
+}
+
+/// Fills `buffer` with zeros, and waits for it.
+fn clear(device: &Device, buffer: &Buffer) -> Result<()> {
+    device.submit_once("clear", |cmd| {
+        // SAFETY: `cmd` is recording, and the buffer is alive until it has run.
+        unsafe { device.cmd_fill_buffer(cmd, buffer.handle(), 0, vk::WHOLE_SIZE, 0) };
+        Ok(())
+    })
 }
 
 fn storage(device: &Device, name: &str, bytes: u64) -> Result<Buffer> {

@@ -30,6 +30,7 @@ use std::time::Instant;
 pub struct GpuScene {
     set: DescriptorSet,
     light_count: u32,
+    tree_lights: u32,
     environment_size: UVec2,
     first_environment_light: u32,
     features: u32,
@@ -82,6 +83,9 @@ impl GpuScene {
             (Resource::materials, upload.buffer("materials", &arrays.materials, storage)?),
             (Resource::lights, upload.buffer("lights", &lights.lights, storage)?),
             (Resource::alias, upload.buffer("alias table", &lights.alias, storage)?),
+            (Resource::tree_nodes, upload.buffer("light tree", &lights.tree.nodes, storage)?),
+            (Resource::tree_lights, upload.buffer("lights of the tree", &lights.tree.lights, storage)?),
+            (Resource::tree_leaves, upload.buffer("leaves of lights", &lights.tree.leaves, storage)?),
             (Resource::second_uvs, upload.buffer("second uvs", &arrays.second_uvs, storage)?),
             (Resource::environment, environment),
         ]);
@@ -117,6 +121,7 @@ impl GpuScene {
             unlit: unlit.map(|(i, material)| (i, material.base_color.truncate())).collect(),
             set,
             light_count: lights.lights.len() as u32,
+            tree_lights: lights.tree.lights.len() as u32,
             environment_size: environment_size(scene),
             first_environment_light: lights.first_environment as u32,
             features: arrays.features,
@@ -158,6 +163,11 @@ impl GpuScene {
 
     pub fn light_count(&self) -> u32 {
         self.light_count
+    }
+
+    /// Lights of the light tree.
+    pub fn tree_lights(&self) -> u32 {
+        self.tree_lights
     }
 
     /// Texels of the environment map; 0 without one.

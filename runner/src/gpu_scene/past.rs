@@ -119,6 +119,9 @@ impl GpuScene {
         let maps = [&to_current, &to_previous].map(|map| upload.buffer("light map", map, STORAGE));
         let lights = upload.buffer("lights", &table.lights, STORAGE)?;
         let alias = upload.buffer("alias table", &table.alias, STORAGE)?;
+        let tree_nodes = upload.buffer("light tree", &table.tree.nodes, STORAGE)?;
+        let tree_lights = upload.buffer("lights of the tree", &table.tree.lights, STORAGE)?;
+        let tree_leaves = upload.buffer("leaves of lights", &table.tree.leaves, STORAGE)?;
         let instances = upload.buffer("instances", &self.arrays.instances, STORAGE)?;
         // Texels know their lights.
         let environment = upload.buffer("environment map", &environment_texels(scene), STORAGE)?;
@@ -131,9 +134,13 @@ impl GpuScene {
             past.lights = former;
         }
         self.buffers.insert(Resource::alias, alias);
+        self.buffers.insert(Resource::tree_nodes, tree_nodes);
+        self.buffers.insert(Resource::tree_lights, tree_lights);
+        self.buffers.insert(Resource::tree_leaves, tree_leaves);
         self.buffers.insert(Resource::instances, instances);
         self.buffers.insert(Resource::environment, environment);
         self.light_count = past.table.lights.len() as u32;
+        self.tree_lights = past.table.tree.lights.len() as u32;
         self.environment_size = environment_size(scene);
         self.first_environment_light = past.table.first_environment as u32;
         past.now = Changes {
@@ -142,7 +149,15 @@ impl GpuScene {
             lights_replaced: true,
             ..Changes::default()
         };
-        for place in [Place::lights, Place::alias, Place::instances, Place::environment] {
+        for place in [
+            Place::lights,
+            Place::alias,
+            Place::tree_nodes,
+            Place::tree_lights,
+            Place::tree_leaves,
+            Place::instances,
+            Place::environment,
+        ] {
             self.set.bind_storage_buffer(place.number(), &self.buffers[&place.resource()]);
         }
         past.bind_lights();

@@ -34,7 +34,8 @@ pub(super) enum Kind {
     Angle(RangeInclusive<f64>, f64),
     Switch,
     /// On from so many lights on, unless it is switched.
-    Auto(u32),
+    /// On with so many lights.
+    Auto(RangeInclusive<u32>),
     /// Words from the lowest to the highest, with their meanings.
     Choice(&'static [(&'static str, &'static str)]),
 }
@@ -96,7 +97,7 @@ impl Knob {
     /// The default as help and pages say it.
     pub fn default_in_words(&self) -> String {
         match (&self.kind, self.value(&Knobs::default())) {
-            (Kind::Auto(from), Value::Word("auto")) => format!("on from {from} lights on"),
+            (Kind::Auto(lights), Value::Word("auto")) => on_with(lights),
             (_, Value::Switch(on)) => if on { "on" } else { "off" }.into(),
             (_, value) => value.to_string(),
         }
@@ -109,7 +110,7 @@ impl Knob {
             Kind::Number(..) => text.parse().map(Value::Number).map_err(|_| self.values()),
             Kind::Angle(..) => text.parse().map(Value::Angle).map_err(|_| self.values()),
             Kind::Switch => text.parse().map(Value::Switch).map_err(|_| self.values()),
-            Kind::Auto(_) | Kind::Choice(_) => {
+            Kind::Auto(..) | Kind::Choice(_) => {
                 let known = self.words().iter().find(|(word, _)| *word == text);
                 known.map(|(word, _)| Value::Word(word)).ok_or_else(|| self.values())
             }
@@ -145,7 +146,7 @@ impl Knob {
             Kind::Number(..) => format!("a number above 0, {}", self.unit),
             Kind::Angle(range, _) => format!("a number above 0, at most {}, {}", range.end(), self.unit),
             Kind::Switch => "on or off".into(),
-            Kind::Auto(from) => format!("on, off or auto: on from {from} lights on"),
+            Kind::Auto(lights) => format!("on, off or auto: {}", on_with(lights)),
             Kind::Choice(words) => words.iter().map(|(word, _)| *word).collect::<Vec<_>>().join(" or "),
         }
     }
@@ -153,7 +154,7 @@ impl Knob {
     /// Its words with their meanings, from the lowest to the highest; none if it takes a number.
     pub fn words(&self) -> &'static [(&'static str, &'static str)] {
         match &self.kind {
-            Kind::Auto(_) => Auto::WORDS,
+            Kind::Auto(..) => Auto::WORDS,
             Kind::Choice(words) => words,
             _ => &[],
         }
@@ -161,13 +162,13 @@ impl Knob {
 
     /// `--NAME` and `--no-NAME`, without a value.
     pub fn is_flag(&self) -> bool {
-        matches!(self.kind, Kind::Switch | Kind::Auto(_))
+        matches!(self.kind, Kind::Switch | Kind::Auto(..))
     }
 
     /// What `--NAME`, or `--no-NAME`, sets a flag to.
     pub fn flag(&self, on: bool) -> Value {
         match self.kind {
-            Kind::Auto(_) => Value::Word(if on { Auto::On } else { Auto::Off }.word()),
+            Kind::Auto(..) => Value::Word(if on { Auto::On } else { Auto::Off }.word()),
             _ => Value::Switch(on),
         }
     }
@@ -272,4 +273,12 @@ macro_rules! choices {
 }
 
 fields! { u32: Count f32: Number f64: Angle bool: Switch }
+/// In words.
+fn on_with(lights: &RangeInclusive<u32>) -> String {
+    match (lights.start(), lights.end()) {
+        (from, &u32::MAX) => format!("on from {from} lights on"),
+        (from, to) => format!("on from {from} to {to} lights"),
+    }
+}
+
 choices! { Auto Mode Primary }

@@ -53,8 +53,8 @@ macro_rules! field {
     (switch $args:tt $on:expr, $lights:expr) => {
         $on.into()
     };
-    (auto ($from:literal) $auto:expr, $lights:expr) => {
-        $auto.is_on($lights >= $from).into()
+    (auto ($range:expr) $auto:expr, $lights:expr) => {
+        $auto.is_on(($range).contains(&$lights)).into()
     };
     (angle $args:tt $degrees:expr, $lights:expr) => {
         $degrees.to_radians().cos() as f32
@@ -81,8 +81,8 @@ macro_rules! kind {
     (switch ()) => {
         Kind::Switch
     };
-    (auto ($from:literal)) => {
-        Kind::Auto($from)
+    (auto ($range:expr)) => {
+        Kind::Auto($range)
     };
     (choice ($type:ident $(, $word:expr)?)) => {
         Kind::Choice(<$type as Choice>::WORDS)

@@ -1,6 +1,6 @@
 //! Settings that are known by a name.
 
-use crate::knobs::{Knobs, Mode};
+use crate::knobs::{Auto, Knobs, Mode};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Preset {
@@ -41,7 +41,9 @@ impl Preset {
         let unbiased = Knobs::default();
         match self {
             Preset::Fast => Some(Knobs { candidates: 8, spatial: false, ..unbiased }),
-            Preset::Thesis => Some(Knobs { mode: Mode::Biased, iterations: 2, radius: 30.0, ..unbiased }),
+            Preset::Thesis => {
+                Some(Knobs { cells: Auto::Off, mode: Mode::Biased, iterations: 2, radius: 30.0, ..unbiased })
+            }
             Preset::Unbiased => Some(unbiased),
             Preset::Reference => None,
         }

@@ -2,6 +2,8 @@
 
 #[cfg(not(target_arch = "spirv"))]
 use super::HostKind;
+#[cfg(not(target_arch = "spirv"))]
+use super::tree::Bound;
 use super::{Kind, Light, Place, Shape};
 use glam::{Vec2, Vec3};
 
@@ -36,6 +38,10 @@ impl HostKind for Directional {
     fn numbers(self) -> Light {
         let edge2 = Vec3::new(self.radius, 0.0, 0.0);
         Light { edge1: self.direction, edge2, emission: self.illuminance, ..Light::default() }
+    }
+
+    fn bound(self) -> Option<Bound> {
+        None
     }
 
     /// π r²: what falls into the scene's bounding sphere.

@@ -2,6 +2,8 @@
 
 #[cfg(not(target_arch = "spirv"))]
 use super::HostKind;
+#[cfg(not(target_arch = "spirv"))]
+use super::tree::Bound;
 use super::{Kind, Light, Place, Shape};
 use crate::environment;
 use crate::math::safe_ratio;
@@ -68,6 +70,10 @@ impl HostKind for Texel {
             emission: self.radiance,
             ..Light::default()
         }
+    }
+
+    fn bound(self) -> Option<Bound> {
+        None
     }
 
     /// Ω π r²: what falls into the scene's bounding sphere.

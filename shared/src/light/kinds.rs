@@ -11,6 +11,8 @@ use super::sampling_tests::{Known, Sample};
 #[cfg(test)]
 use super::segment::Segment;
 use super::spot::Spot;
+#[cfg(not(target_arch = "spirv"))]
+use super::tree::Bound;
 use super::triangle::Triangle;
 use super::{Kind, Light, Place, Shape};
 use crate::frame::features;
@@ -156,6 +158,15 @@ macro_rules! kinds {
                     }
                 })*
                 $last::of(self).invert(direction, receiver)
+            }
+
+            /// See [`HostKind::bound`].
+            #[cfg(not(target_arch = "spirv"))]
+            pub(super) fn bound(&self) -> Option<Bound> {
+                match self.kind {
+                    $($(#[$when])* kind::$NAME => $view::of(self).bound(),)*
+                    _ => $last::of(self).bound(),
+                }
             }
 
             /// See [`HostKind::flux_factor`].

@@ -16,6 +16,7 @@ mod table;
 #[cfg(test)]
 mod tests;
 pub mod tile;
+pub mod tree;
 pub mod triangle;
 
 pub use kinds::kind;
@@ -32,6 +33,8 @@ use crate::pdf::SourcePdf;
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3};
 use kinds::Listed;
+#[cfg(not(target_arch = "spirv"))]
+use tree::Bound;
 
 /// `Light::flags`: both sides of a triangle emit.
 pub const DOUBLE_SIDED: u32 = 1;
@@ -133,6 +136,9 @@ pub trait HostKind: Kind {
     /// As a light without a kind or a power: the inverse of [`Kind::of`].
     fn numbers(self) -> Light;
 
+    /// Where it is, and where it shines; none for light from infinity.
+    fn bound(self) -> Option<Bound>;
+
     /// Luminous flux Φ, lm, of a light with an emission of 1 (but for the factor 683 that photometric input already holds).
     /// 0 only for one that lights nothing.
     fn flux_factor(self) -> f32;
@@ -175,6 +181,12 @@ impl Light {
     #[cfg(not(target_arch = "spirv"))]
     pub fn power(&self) -> f32 {
         self.flux_factor() * luminance(self.emission)
+    }
+
+    /// The greatest intensity of a light that is somewhere, cd.
+    #[cfg(not(target_arch = "spirv"))]
+    pub(crate) fn intensity(&self) -> f64 {
+        f64::from(luminance(self.emission)) * f64::from(self.measure(u32::MAX))
     }
 
     /// Of light from infinity: radius of the scene's bounding sphere, m.

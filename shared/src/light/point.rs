@@ -2,6 +2,8 @@
 
 #[cfg(not(target_arch = "spirv"))]
 use super::HostKind;
+#[cfg(not(target_arch = "spirv"))]
+use super::tree::Bound;
 use super::{Kind, Light, Place, Shape};
 use glam::{Vec2, Vec3};
 
@@ -33,6 +35,10 @@ impl HostKind for Point {
 
     fn numbers(self) -> Light {
         Light { position: self.position, emission: self.intensity, ..Light::default() }
+    }
+
+    fn bound(self) -> Option<Bound> {
+        Some(Bound::point(self.position))
     }
 
     fn flux_factor(self) -> f32 {

@@ -1,5 +1,6 @@
 //! Glowing segments: the example of docs/adding-a-light.md. It is in the list of kinds in tests alone.
 
+use super::tree::Bound;
 use super::{HostKind, Kind, Light, Place, Shape};
 use core::f32::consts::PI;
 use glam::{Vec2, Vec3};
@@ -43,6 +44,11 @@ impl HostKind for Segment {
 
     fn numbers(self) -> Light {
         Light { position: self.start, edge1: self.edge, emission: self.intensity, ..Light::default() }
+    }
+
+    fn bound(self) -> Option<Bound> {
+        let end = self.start + self.edge;
+        Some(Bound { min: self.start.min(end), max: self.start.max(end), ..Bound::point(self.start) })
     }
 
     /// ∫ sinθ dω = π² a metre.

@@ -2,6 +2,8 @@
 
 #[cfg(not(target_arch = "spirv"))]
 use super::HostKind;
+#[cfg(not(target_arch = "spirv"))]
+use super::tree::Bound;
 use super::{Kind, Light, Place, Shape};
 #[cfg(not(target_arch = "spirv"))]
 use core::f32::consts::PI;
@@ -62,6 +64,11 @@ impl HostKind for Spot {
             emission: self.intensity,
             ..Light::default()
         }
+    }
+
+    fn bound(self) -> Option<Bound> {
+        let angle = self.cos_outer.clamp(-1.0, 1.0).acos();
+        Some(Bound { axis: self.axis, angle, ..Bound::point(self.position) })
     }
 
     /// Integral of the attenuation over all directions, sr:

@@ -98,7 +98,12 @@ impl<'a> LightTable<'a> {
         if light >= self.lights.count() || self.alias.is_empty() {
             return SourcePdf(0.0);
         }
-        Pmf(self.alias[light as usize].pmf).and_on_light(self.lights.pdf_li(light))
+        self.pmf(light).and_on_light(self.lights.pdf_li(light))
+    }
+
+    /// The probability with which [`LightTable::sample`] draws `light`, which there must be.
+    pub fn pmf(self, light: u32) -> Pmf {
+        Pmf(self.alias[light as usize].pmf)
     }
 
     /// The same reservoir; samples of a light without extent become one and the same, so that who reuses them can tell.

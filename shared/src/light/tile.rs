@@ -41,7 +41,7 @@ pub struct TileEntry {
     normal: u32,
     /// Emission, logarithmic: red in the low half, green in the high one.
     red_green: u32,
-    /// Blue in the low half; kind in bits 16 to 19, flags above.
+    /// Blue in the low half; kind in bits 16 to 19, flags in 20 to 23, and the believed visibility x 256 - 1 above.
     blue_kind: u32,
     /// Density of this sample in the light's own measure.
     source_pdf: f32,
@@ -73,7 +73,7 @@ pub fn presample(lights: LightTable<'_>, tile: u32, entry: u32, frame: &FrameCon
 }
 
 impl TileEntry {
-    fn new(lights: LightTable<'_>, sample: LightSample, source_pdf: SourcePdf) -> Self {
+    pub(crate) fn new(lights: LightTable<'_>, sample: LightSample, source_pdf: SourcePdf) -> Self {
         if sample.light >= lights.lights.count() {
             return TileEntry::default();
         }
@@ -84,10 +84,21 @@ impl TileEntry {
             position: place.position,
             normal: pack_direction(place.normal),
             red_green: encode(e.x) | encode(e.y) << 16,
-            blue_kind: encode(e.z) | (light.kind | light.flags << 4) << 16,
+            blue_kind: encode(e.z) | (light.kind | light.flags << 4 | 0xff << 8) << 16,
             source_pdf: source_pdf.0,
             light: sample.light,
         }
+    }
+
+    /// The same, believed to arrive with a probability of `visibility` in (0, 1], rounded.
+    pub(crate) fn believed(self, visibility: f32) -> Self {
+        let code = (visibility * 256.0).clamp(1.0, 256.0) as u32 - 1;
+        TileEntry { blue_kind: self.blue_kind & 0x00ff_ffff | code << 24, ..self }
+    }
+
+    /// The fraction of its light that is believed to arrive, in (0, 1].
+    pub fn visibility(&self) -> f32 {
+        ((self.blue_kind >> 24) + 1) as f32 * (1.0 / 256.0)
     }
 
     pub fn light(&self) -> u32 {
@@ -102,7 +113,7 @@ impl TileEntry {
     /// wherever the light's is, its normal within 1e-4 rad; the other fields are not set. Of lights that shine more in some
     /// directions than in others, emission and attenuation are read from `lights`.
     pub fn incident(&self, lights: LightTable<'_>, receiver: Vec3) -> Incident {
-        let (kind, flags) = (self.blue_kind >> 16 & 15, self.blue_kind >> 20);
+        let (kind, flags) = (self.blue_kind >> 16 & 15, self.blue_kind >> 20 & 15);
         let features = lights.lights.features;
         if attenuates(kind, features) {
             let light = lights.lights.lights[self.light as usize];

@@ -1,10 +1,16 @@
 //! Emissive triangles.
 
 #[cfg(not(target_arch = "spirv"))]
+use super::tree::Bound;
+#[cfg(not(target_arch = "spirv"))]
 use super::{DOUBLE_SIDED, HostKind};
 use super::{Kind, Light, Place, Shape};
+#[cfg(not(target_arch = "spirv"))]
+use crate::math::normalize_or;
 use crate::math::{cross, safe_ratio};
 use crate::sampling::{square_to_triangle, triangle_to_square};
+#[cfg(not(target_arch = "spirv"))]
+use core::f32::consts::{FRAC_PI_2, PI};
 #[cfg(not(target_arch = "spirv"))]
 use glam::DVec3;
 use glam::{Vec2, Vec3};
@@ -80,6 +86,19 @@ impl HostKind for Triangle {
             emission: self.radiance,
             ..Light::default()
         }
+    }
+
+    fn bound(self) -> Option<Bound> {
+        let [u, v] = self.edges.map(|edge| self.vertex + edge);
+        let normal = normalize_or(cross(self.edges[0], self.edges[1]), Vec3::Y);
+        // Without area it has no side.
+        let one_side = self.flags & DOUBLE_SIDED == 0 && self.area > 0.0;
+        Some(Bound {
+            min: self.vertex.min(u).min(v),
+            max: self.vertex.max(u).max(v),
+            axis: normal,
+            angle: if one_side { FRAC_PI_2 } else { PI },
+        })
     }
 
     /// π A a side.

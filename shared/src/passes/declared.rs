@@ -71,7 +71,7 @@ macro_rules! uses {
 
 macro_rules! declare {
     ($(($body:ident $extent:ident { $($stage:ident($($rays:ident)*) $stem:ident),* }
-        [$($read:ident)*] [$($update:ident)*] [$($write:ident)*]))*) => {
+        [$($read:ident)*] [$($update:ident)*] [$($write:ident)*] $([$($count:ident)*])?))*) => {
         /// A pass's body.
         #[allow(non_camel_case_types, missing_docs)]
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -106,7 +106,8 @@ macro_rules! declare {
             /// Its buffers.
             pub const fn uses(self) -> &'static [(Binding, Access)] {
                 match self.body() {
-                    $(Body::$body => uses!([] $($read)* $((ReadWrite $update))* $((Write $write))*)),*
+                    $(Body::$body =>
+                        uses!([] $($read)* $((ReadWrite $update))* $((Write $write))* $($((ReadWrite $count))*)?)),*
                 }
             }
         }
@@ -157,7 +158,7 @@ impl From<u32> for Output {
 }
 
 macro_rules! runs {
-    ($(($body:ident $extent:ident { $stage:ident $rays:tt $stem:ident $($more:tt)* } $read:tt $update:tt $write:tt))*) => {
+    ($(($body:ident $extent:ident { $stage:ident $rays:tt $stem:ident $($more:tt)* } $read:tt $update:tt $write:tt $($count:tt)?))*) => {
         /// Runs one thread of a body that rays decide over, as the GPU's entry points do, from `buffers`; none of a body that
         /// asks for no rays. Elements that it updates are read from `buffers` too.
         #[allow(unused_variables)]

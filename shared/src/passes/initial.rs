@@ -4,13 +4,18 @@
 use super::{At, Question, Technique, Visibility, Witness, variant};
 use crate::alias_table::AliasEntry;
 use crate::alpha::SURE_HITS_ONLY;
+use crate::cells::list::ListEntry;
+use crate::cells::pool::Sources;
+use crate::cells::{Cell, cell_of};
 use crate::environment::EnvironmentTexel;
 use crate::geometry::InstanceGeometry;
 use crate::light::Light;
 use crate::light::found::Emitters;
 use crate::light::tile::{TileEntry, Tiles, tile_of};
+use crate::light::tree::TreeNode;
+use crate::motion::NO_LIGHT;
 use crate::resampling::initial::{
-    BsdfRay, Fresh, Techniques, candidate, candidate_from_tile, numbers_from_tile,
+    BsdfRay, Fresh, Techniques, candidate, candidate_from_pool, candidate_from_tile, numbers_from_tile,
 };
 use crate::reservoir::StoredReservoir;
 use crate::rng::Stream;
@@ -24,11 +29,18 @@ pub fn initial(
     mut note: impl Witness,
     lights: &[Light],
     alias: &[AliasEntry],
+    tree_nodes: &[TreeNode],
+    tree_lights: &[u32],
+    tree_leaves: &[u32],
     instances: &[InstanceGeometry],
     environment: &[EnvironmentTexel],
     gbuffer: &[GBufferTexel],
     tile_entries: &[TileEntry],
     tile_points: &[u32],
+    cells: &[Cell],
+    lists: &[ListEntry],
+    pool_entries: &[TileEntry],
+    pool_points: &[u32],
 ) -> StoredReservoir {
     let texel = at.texel(gbuffer);
     if texel.is_empty() {
@@ -40,7 +52,20 @@ pub fn initial(
     let techniques = Techniques::new(settings, at.features);
     let mut rng = at.rng(Stream::Initial);
     let mut fresh = Fresh::default();
-    if at.is(variant::TILED) {
+    let mut place = 0;
+    if at.is(variant::CELLS) {
+        place = cell_of(at.frame, &surface, at.pixel);
+        note.tile(place);
+        let pool = Tiles { entries: pool_entries, points: pool_points };
+        for i in 0..techniques.lights {
+            let mut drawn =
+                candidate_from_pool(&surface, table, techniques, pool, place, i, rng.next_u32x4());
+            note.draws(Technique::Pool, &mut drawn);
+            let stays = fresh.add(drawn);
+            note.candidate(Technique::Pool, &drawn, &fresh, stays);
+        }
+        fresh = fresh.looked_up(pool);
+    } else if at.is(variant::TILED) {
         let tiles = Tiles { entries: tile_entries, points: tile_points };
         let tile = tile_of(at.frame, at.pixel, at.lane);
         note.tile(tile);
@@ -70,14 +95,24 @@ pub fn initial(
             let hit = rays.nearest(ray.origin, ray.direction);
             let light = emitters.light_at(hit, ray.direction);
             note.bsdf_ray(&ray, hit, light);
-            let mut found = ray.candidate(&surface, table, techniques, light);
+            let source_pdf = if at.is(variant::CELLS) {
+                let tree = at.light_tree(tree_nodes, tree_lights, tree_leaves);
+                Sources { table, tree, lists, place, cell: cells[place as usize] }.pdf(light)
+            } else {
+                table.pdf(light)
+            };
+            let mut found = ray.candidate(&surface, table, techniques, light, source_pdf);
             note.draws(Technique::Bsdf, &mut found);
             let stays = fresh.add_found(found);
             note.candidate(Technique::Bsdf, &found, &fresh, stays);
         }
         i += 1;
     }
-    let survivor = fresh.finish(&surface, table);
+    let mut survivor = fresh.finish(&surface, table);
+    if at.is(variant::CELLS) && fresh.reservoir.weight_sum <= 0.0 {
+        // Nothing was found: not to be taken for a hidden light.
+        survivor.reservoir.sample.light = NO_LIGHT;
+    }
     let visible = settings.visibility_reuse == 0
         || survivor.is_certain()
         || rays.sees(Question::Survivor, survivor.ray, SURE_HITS_ONLY);

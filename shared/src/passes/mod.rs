@@ -4,9 +4,12 @@
 //! a [`Visibility`]; every candidate, target, weight and choice is told to a [`Witness`], which is nothing on the GPU.
 
 pub mod accumulate;
+pub mod cells;
 #[cfg(not(target_arch = "spirv"))]
 mod declared;
 pub mod initial;
+pub mod learn;
+pub mod observe;
 pub mod pair_merge;
 pub mod pair_targets;
 pub mod presample;
@@ -24,9 +27,12 @@ mod visibility;
 mod witness;
 
 pub use accumulate::accumulate;
+pub use cells::{cells, mark_cells, pools};
 #[cfg(not(target_arch = "spirv"))]
 pub use declared::{Access, Body, Output, Pass, Rays, Stage, run};
 pub use initial::initial;
+pub use learn::{learn_beliefs, learn_lists};
+pub use observe::observe;
 pub use pair_merge::pair_merge;
 pub use pair_targets::pair_targets;
 pub use presample::presample;
@@ -43,9 +49,14 @@ pub use visibility::{Assumed, Question, Visibility};
 pub use witness::{Silent, Technique, Witness};
 
 use crate::alias_table::AliasEntry;
+use crate::cells::belief::BELIEFS;
+use crate::cells::list::LIST;
+use crate::cells::pool::POOL;
+use crate::cells::{self as world_cells, ROW};
 use crate::frame::FrameConstants;
 use crate::interface::PassConstants;
 use crate::light::tile::{TILE_SIZE, TILES};
+use crate::light::tree::{LightTree, TreeNode};
 use crate::light::{Light, LightTable, Lights};
 use crate::resampling::reservoir_index;
 use crate::resources::Extent;
@@ -62,6 +73,8 @@ pub mod variant {
     pub const MOVING: u32 = 2;
     /// Candidates come from light tiles.
     pub const TILED: u32 = 4;
+    /// Candidates come from the pools of cells.
+    pub const CELLS: u32 = 8;
 }
 
 /// One thread of a pass, and what is the same for all of them.
@@ -139,6 +152,15 @@ impl<'a> At<'a> {
         Lights { lights, features: self.features }
     }
 
+    pub fn light_tree<'b>(
+        &self,
+        nodes: &'b [TreeNode],
+        lights: &'b [u32],
+        leaves: &'b [u32],
+    ) -> LightTree<'b> {
+        LightTree { nodes, lights, leaves, count: self.frame.tree_lights }
+    }
+
     pub fn light_table<'b>(&self, lights: &'b [Light], alias: &'b [AliasEntry]) -> LightTable<'b> {
         LightTable { lights: self.lights(lights), alias }
     }
@@ -149,6 +171,10 @@ pub fn threads(extent: Extent, size: UVec2) -> UVec2 {
     match extent {
         Extent::Scene | Extent::Pixels | Extent::Reservoirs => size,
         Extent::Tiles => UVec2::new(TILE_SIZE, TILES),
+        Extent::Cells => UVec2::new(ROW, world_cells::count(size) / ROW),
+        Extent::Lists => UVec2::new(LIST, world_cells::count(size)),
+        Extent::Beliefs => UVec2::new(BELIEFS, world_cells::count(size)),
+        Extent::Pools => UVec2::new(POOL, world_cells::count(size)),
         Extent::Blocks => UVec2::new(size.x.div_ceil(BLOCK), size.y.div_ceil(BLOCK)),
     }
 }

@@ -3,7 +3,8 @@
 
 /// The table, handed to the macro `$use`. A line: the body, a function of that name in [`crate::passes`] (or in the `shaders`
 /// crate where it needs images); its extent; its entry points; and bindings of [`crate::resources!`], in the order of the body's
-/// arguments: those that it reads anywhere, those whose own element it gets and gives back, and those whose own element it gives.
+/// arguments: those that it reads anywhere, those whose own element it gets and gives back, those whose own element it gives, and
+/// [`crate::counters::Counters`] that all threads count in.
 ///
 /// | entry point | arguments of the body before the buffers |
 /// |---|---|
@@ -24,8 +25,21 @@ macro_rules! passes {
                 [instances positions attributes indices materials second_uvs environment textures visibility] [] [gbuffer radiance])
             (presample Tiles { compute() presample }
                 [lights alias] [] [tile_entries tile_points])
+            (learn_beliefs Beliefs { compute() learn_beliefs }
+                [] [beliefs observations] [])
+            (learn_lists Lists { compute() learn_lists }
+                [] [lists findings] [])
+            (mark_cells Pixels { compute() mark_cells }
+                [gbuffer] [] [] [marks])
+            (cells Cells { compute() cells }
+                [gbuffer lists beliefs] [marks] [cells])
+            (pools Pools { compute() pools }
+                [lights alias tree_nodes tree_lights tree_leaves cells lists beliefs] [] [pool_entries pool_points])
             (initial Reservoirs { traced(shadow nearest) initial }
-                [lights alias instances environment gbuffer tile_entries tile_points] [] [merged])
+                [lights alias tree_nodes tree_lights tree_leaves instances environment gbuffer tile_entries tile_points
+                cells lists pool_entries pool_points] [] [merged])
+            (observe Pixels { compute() observe }
+                [lights tree_leaves gbuffer merged] [] [] [observations findings])
             (temporal Reservoirs { known() temporal, traced(shadow previous) temporal_traced }
                 [lights alias gbuffer previous_gbuffer history previous_lights motions previous_to_current current_to_previous] [merged] [])
             (spatial Reservoirs { known() spatial, traced(shadow) spatial_traced }

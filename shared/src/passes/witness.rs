@@ -17,6 +17,8 @@ pub enum Technique {
     Table,
     /// From a light tile.
     Tile,
+    /// From the pool of a cell.
+    Pool,
     /// By a BSDF ray.
     Bsdf,
 }
@@ -28,7 +30,7 @@ pub trait Witness {
     fn draws(&mut self, _technique: Technique, _candidate: &mut Candidate) {}
     /// After it has; `fresh` is the reservoir with it.
     fn candidate(&mut self, _technique: Technique, _candidate: &Candidate, _fresh: &Fresh, _stays: bool) {}
-    /// The tile that candidates come from.
+    /// The tile, or the cell, that candidates come from.
     fn tile(&mut self, _tile: u32) {}
     /// A BSDF ray, what it met, and the light there.
     fn bsdf_ray(&mut self, _ray: &BsdfRay, _hit: HitPayload, _light: u32) {}

@@ -6,6 +6,7 @@
 
 use super::Survivor;
 use crate::bsdf;
+use crate::cells::pool::POOL;
 use crate::frame::Settings;
 use crate::light::tile::{TILE_SIZE, TileEntry, Tiles};
 use crate::light::{Incident, LightSample, LightTable};
@@ -29,7 +30,9 @@ pub struct Techniques {
 impl Techniques {
     /// In a scene with `features`.
     pub fn new(settings: &Settings, features: u32) -> Self {
-        Techniques { lights: settings.candidates, bsdf: settings.bsdf_candidates(features) }
+        // Those of cells are worth more than twice as much (docs/performance.md).
+        let lights = if settings.cells != 0 { settings.candidates.div_ceil(2) } else { settings.candidates };
+        Techniques { lights, bsdf: settings.bsdf_candidates(features) }
     }
 
     /// p + p_b M_b / M of a sample that the light table draws with density p = `source_pdf`: times M, what all candidates
@@ -154,6 +157,25 @@ pub fn candidate_from_tile(
     weighed(surface, techniques, sample, &incident, entry.source_pdf(), random.y)
 }
 
+/// Candidate `i` from the pool of cell `cell`, which `random` draws in its own part of the pool. Its target is what is believed to arrive.
+pub fn candidate_from_pool(
+    surface: &Surface,
+    lights: LightTable<'_>,
+    techniques: Techniques,
+    pool: Tiles<'_>,
+    cell: u32,
+    i: u32,
+    random: UVec4,
+) -> Candidate {
+    let within = (i * POOL + (random.x & (POOL - 1))) / techniques.lights;
+    let place = cell * POOL + (within & (POOL - 1));
+    let entry: TileEntry = pool.entries[place as usize];
+    let sample = LightSample { light: entry.light(), uv: place };
+    let incident = entry.incident(lights, surface.position);
+    let candidate = weighed(surface, techniques, sample, &incident, entry.source_pdf(), random.y);
+    Candidate { target: candidate.target * entry.visibility(), ..candidate }
+}
+
 impl Fresh {
     /// With the point of a survivor from a tile.
     pub fn looked_up(mut self, tiles: Tiles<'_>) -> Self {
@@ -193,16 +215,18 @@ impl BsdfRay {
         surface.geometric_normal.dot(self.direction) > 0.0 && surface.normal.dot(self.direction) > 0.0
     }
 
-    /// The candidate where the ray ended on `light`; one that weighs nothing for no light.
+    /// The candidate where the ray ended on `light`, which other techniques draw with a density of `source_pdf`; one that weighs
+    /// nothing for no light.
     pub fn candidate(
         &self,
         surface: &Surface,
         lights: LightTable<'_>,
         techniques: Techniques,
         light: u32,
+        source_pdf: SourcePdf,
     ) -> Candidate {
         let sample = lights.lights.sample_along(light, self.direction, surface.position);
-        self.candidate_at(surface, lights, techniques, sample)
+        self.candidate_at(surface, lights, techniques, sample, source_pdf)
     }
 
     /// The same, where the point on the light is known.
@@ -212,11 +236,12 @@ impl BsdfRay {
         lights: LightTable<'_>,
         techniques: Techniques,
         sample: LightSample,
+        source_pdf: SourcePdf,
     ) -> Candidate {
         let incident = lights.incident(sample, surface.position);
         Candidate {
             sample,
-            source_pdf: techniques.density(surface, &incident, lights.pdf(sample.light)),
+            source_pdf: techniques.density(surface, &incident, source_pdf),
             target: target_function(surface, &incident),
             u: self.u,
         }

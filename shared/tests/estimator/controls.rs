@@ -1,5 +1,6 @@
 //! Negative controls: each term of the estimator left out once. The test of [`crate::matrix`] must fail on every one.
 
+use crate::knowledge::known;
 use crate::matrix::base;
 use crate::passes::Plant;
 use crate::statistics::{T_LIMIT, expected, t_of};
@@ -33,6 +34,15 @@ fn source_densities_left_out_are_seen() {
     is_seen(Plant::OnLightPdf, screened(world::triangles()), base(), 1);
     is_seen(Plant::OnLightPdf, screened(world::environment()), base(), 1);
     is_seen(Plant::TilePmf, screened(world::points()), Settings { tiles: 1, ..base() }, 1);
+}
+
+#[test]
+fn faults_of_cells_are_seen() {
+    let random = Settings { cells: known::RANDOM, candidates: 8, ..reuse() };
+    is_seen(Plant::ListShare, screened(world::points()), random, 1);
+    is_seen(Plant::TableWritten, screened(world::points()), random, 1);
+    is_seen(Plant::StaleBound, screened(world::points()), Settings { cells: known::LEARNED, ..random }, 1);
+    is_seen(Plant::BeliefInTargetAlone, screened(world::points()), random, 1);
 }
 
 #[test]

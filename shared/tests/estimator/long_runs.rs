@@ -98,7 +98,7 @@ fn with_and_without() -> (World, World) {
     lights.last_mut().expect("a light").emission = Vec3::ZERO;
     let last = lights.len() - 1;
     lights[last] = Light::point(lights[last].position, Vec3::ZERO);
-    let off = World { alias: World::new(lights.clone()).alias, lights, ..on.clone() };
+    let off = on.clone().with_lights(lights);
     (on, off)
 }
 

@@ -6,6 +6,7 @@
 
 mod controls;
 mod hard_cases;
+mod knowledge;
 mod long_runs;
 mod matrix;
 mod passes;

@@ -1,5 +1,6 @@
 //! Every kind of light under every kind of reuse, in both modes.
 
+use crate::knowledge::known;
 use crate::statistics::{T_LIMIT, expected, largest_t, runs, t_of};
 use crate::world::{self, Kind, World};
 use shared::frame::{Settings, mode};
@@ -62,6 +63,20 @@ pub fn pair_cases() -> Vec<Case> {
     ]
 }
 
+/// Candidates from cells that have learned, that know what is not so, and that believe in the reverse.
+pub fn cell_cases() -> Vec<Case> {
+    let fresh = Settings { visibility_reuse: 1, ..base() };
+    let all = Settings { mode: mode::UNBIASED, temporal: 1, spatial: 1, pairs: 1, reservoirs: 2, ..fresh };
+    vec![
+        ("cells that know by chance", Settings { cells: known::RANDOM, ..fresh }, 1),
+        ("cells that believe the reverse", Settings { cells: known::ADVERSARIAL, candidates: 9, ..fresh }, 1),
+        ("the same without visibility", Settings { cells: known::ADVERSARIAL, ..base() }, 1),
+        ("cells that learn", Settings { cells: known::LEARNED, ..fresh }, 4),
+        ("+ temporal and pairs, 2 reservoirs", Settings { cells: known::LEARNED, ..all }, 4),
+        ("the same, by chance", Settings { cells: known::RANDOM, ..all }, 3),
+    ]
+}
+
 pub fn in_mode(mode: u32, cases: Vec<Case>) -> Vec<Case> {
     cases.into_iter().map(|(name, s, frames)| (name, Settings { mode, ..s }, frames)).collect()
 }
@@ -82,6 +97,7 @@ fn matrix(Kind { everywhere, somewhere }: Kind) {
     check(&hidden, fresh_cases());
     check(&hidden, in_mode(mode::UNBIASED, reuse_cases()));
     check(&hidden, pair_cases());
+    check(&hidden, cell_cases());
     check(&World::new(everywhere), in_mode(mode::BIASED, reuse_cases()));
 }
 
@@ -141,6 +157,8 @@ fn found_matrix(Kind { everywhere, somewhere }: Kind) {
     for (metallic, roughness) in [(0.9, 0.5), (0.0, 0.8)] {
         let hidden = World::new(somewhere.clone()).behind_a_screen().reflecting(metallic, roughness);
         check(&hidden, found_cases());
+        let cells = cell_cases().into_iter().filter(|(_, settings, _)| settings.visibility_reuse != 0);
+        check(&hidden, cells.map(|(n, s, f)| (n, Settings { bsdf_candidates: 1, ..s }, f)).collect());
         check(&hidden, in_mode(mode::UNBIASED, found_reuse_cases()));
         let visible = pair_cases().into_iter().filter(|(_, settings, _)| settings.visibility_reuse != 0);
         check(&hidden, visible.map(|(n, s, f)| (n, Settings { bsdf_candidates: 2, ..s }, f)).collect());

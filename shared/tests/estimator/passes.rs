@@ -1,6 +1,7 @@
 //! Frames on the CPU: the bodies of the GPU's passes in their order; and the errors that can be planted in what they ask, in what
 //! they tell, and in what one leaves to the next.
 
+use crate::knowledge::Knowledge;
 use crate::world::{SKY, View, World};
 
 use shared::bsdf;
@@ -76,6 +77,14 @@ pub enum Plant {
     FoundMixture,
     /// BSDF rays that go through everything.
     FoundRay,
+    /// A part of the pool believes in half the density that it was drawn with.
+    ListShare,
+    /// Pools are drawn from a tree of lights that have moved since, densities told from where they are now.
+    StaleBound,
+    /// Lists are written within the frame that reads them: densities are those of before.
+    TableWritten,
+    /// Candidates weigh what their lights would bring unshadowed, contribution weights what is believed to arrive.
+    BeliefInTargetAlone,
 }
 
 /// A run of frames with what it carries from one to the next.
@@ -88,6 +97,7 @@ pub struct Sequence<'a> {
     plant: Option<Plant>,
     index: u32,
     history: Vec<StoredReservoir>,
+    knowledge: Option<Knowledge>,
 }
 
 impl<'a> Sequence<'a> {
@@ -101,7 +111,8 @@ impl<'a> Sequence<'a> {
         let lights = planted_lights(world, plant);
         let count = world.size.x * world.size.y * settings.reservoirs;
         let history = vec![StoredReservoir::default(); count as usize];
-        Sequence { world, views, lights, settings, seed, plant, index: 0, history }
+        let knowledge = (settings.cells != 0).then(|| Knowledge::new(world.size));
+        Sequence { world, views, lights, settings, seed, plant, index: 0, history, knowledge }
     }
 
     /// From now on the scene's lights are those of `world`.
@@ -116,7 +127,7 @@ impl<'a> Sequence<'a> {
     /// Runs one frame and gives the radiance of its pixels.
     pub fn next_frame(&mut self) -> Vec<Vec3> {
         let [view, before] = [self.index & 1, (self.index + 1) & 1].map(|i| &self.views[i as usize]);
-        let World { lights, alias, size, .. } = &self.lights;
+        let World { lights, alias, tree, size, .. } = &self.lights;
         let sky = lights.iter().position(|light| light.kind == kind::ENVIRONMENT);
         let frame = FrameConstants {
             camera: view.camera,
@@ -129,6 +140,7 @@ impl<'a> Sequence<'a> {
             background: Vec3::ZERO,
             environment_size: if sky.is_some() { SKY } else { UVec2::ZERO },
             first_environment_light: sky.unwrap_or(0) as u32,
+            tree_lights: tree.lights.len() as u32,
         };
         let known = features::TRACEABLE | features::LIGHT_KINDS;
         // What has lights by its triangles' numbers, and what has none: see `World::nearest`.
@@ -141,6 +153,9 @@ impl<'a> Sequence<'a> {
         let buffers = Buffers {
             lights,
             alias,
+            tree_nodes: &tree.nodes,
+            tree_lights: &tree.lights,
+            tree_leaves: &tree.leaves,
             instances: &instances,
             environment: &environment,
             gbuffer: &view.gbuffer,
@@ -155,7 +170,15 @@ impl<'a> Sequence<'a> {
             features: if sky.is_some() { known | features::ENVIRONMENT } else { known },
             buffers,
         };
-        let mut reservoirs = frame.initial();
+        let mut reservoirs = if let Some(knowledge) = &mut self.knowledge {
+            knowledge.ready(&frame);
+            let buffers = knowledge.buffers(frame.buffers);
+            let reservoirs = Frame { buffers, ..frame }.initial();
+            knowledge.observe(&frame, &reservoirs);
+            reservoirs
+        } else {
+            frame.initial()
+        };
         if self.settings.temporal != 0 {
             // No ray where nothing has moved.
             reservoirs = if view.camera == before.camera {
@@ -199,27 +222,33 @@ fn planted_lights(world: &World, plant: Option<Plant>) -> World {
 
 /// What all passes of a frame read.
 #[derive(Clone, Copy)]
-struct Frame<'a> {
+pub struct Frame<'a> {
     world: &'a World,
     plant: Option<Plant>,
-    constants: &'a FrameConstants,
+    pub constants: &'a FrameConstants,
     features: u32,
-    buffers: Buffers<'a>,
+    pub buffers: Buffers<'a>,
 }
 
 impl Frame<'_> {
-    fn is(&self, plant: Plant) -> bool {
+    pub fn pixels(&self) -> impl Iterator<Item = UVec2> + use<> {
+        self.world.pixels()
+    }
+
+    pub fn is(&self, plant: Plant) -> bool {
         self.plant == Some(plant)
     }
 
-    fn at(&self, pixel: UVec2, lane: u32, iteration: u32) -> At<'_> {
-        let Settings { mode, tiles, .. } = self.constants.settings;
+    pub fn at(&self, pixel: UVec2, lane: u32, iteration: u32) -> At<'_> {
+        let Settings { mode, tiles, cells, .. } = self.constants.settings;
         let unbiased = if mode == mode::UNBIASED { variant::UNBIASED } else { 0 };
         At {
             frame: self.constants,
             constants: PassConstants { iteration, ..PassConstants::default() },
             features: self.features,
-            variant: unbiased | if tiles != 0 { variant::TILED } else { 0 },
+            variant: unbiased
+                | if tiles != 0 { variant::TILED } else { 0 }
+                | if cells != 0 { variant::CELLS } else { 0 },
             pixel,
             lane,
         }
@@ -252,11 +281,18 @@ impl Frame<'_> {
                 note,
                 b.lights,
                 b.alias,
+                b.tree_nodes,
+                b.tree_lights,
+                b.tree_leaves,
                 b.instances,
                 b.environment,
                 b.gbuffer,
                 &entries,
                 &points,
+                b.cells,
+                b.lists,
+                b.pool_entries,
+                b.pool_points,
             );
             if self.is(Plant::FreshNormalization) {
                 fresh.contribution_weight *= fresh.confidence;
@@ -417,6 +453,11 @@ impl Falsifier<'_> {
 
 impl Witness for Falsifier<'_> {
     fn draws(&mut self, technique: Technique, candidate: &mut Candidate) {
+        if self.frame.is(Plant::BeliefInTargetAlone) && technique == Technique::Pool {
+            // As if every second light were believed to be half as visible.
+            candidate.target *= if candidate.sample.light & 1 == 0 { 0.5 } else { 1.0 };
+            candidate.source_pdf.0 *= if candidate.sample.light & 1 == 0 { 0.5 } else { 1.0 };
+        }
         let table = self.lights().pdf(candidate.sample.light).0;
         let found = candidate.source_pdf.0 - table;
         let density = match (self.frame.plant, technique) {

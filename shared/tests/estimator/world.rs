@@ -5,6 +5,7 @@ use shared::camera::Camera;
 use shared::geometry::SurfacePoint;
 use shared::glam::{DMat3, DVec3, UVec2, Vec2, Vec3};
 use shared::interface::HitPayload;
+use shared::light::tree::{self, Tree};
 use shared::light::{Light, LightTable, Lights, UNTRACEABLE, build_alias_table, kind};
 use shared::material::Reflectance;
 use shared::shadow::ShadowRay;
@@ -31,6 +32,7 @@ pub struct World {
     pub forward: Vec3,
     pub lights: Vec<Light>,
     pub alias: Vec<AliasEntry>,
+    pub tree: Tree,
     /// A square screen at y = 0.25, |x| < 0.6, |z| < 0.6, which only shadow rays meet.
     pub screen: bool,
 }
@@ -44,9 +46,16 @@ impl World {
             eyes: [Vec3::new(0.0, 3.0, 3.0), Vec3::new(0.55, 3.1, 3.2)],
             forward: Vec3::new(0.0, -1.0, -0.9),
             alias: build_alias_table(&lights),
+            tree: tree::build(&lights),
             lights,
             screen: false,
         }
+    }
+
+    /// With other lights, of which the tables know.
+    pub fn with_lights(self, lights: Vec<Light>) -> Self {
+        let World { alias, tree, lights, .. } = World::new(lights);
+        World { alias, tree, lights, ..self }
     }
 
     pub fn behind_a_screen(self) -> Self {

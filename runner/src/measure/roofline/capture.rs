@@ -36,7 +36,14 @@ pub fn rays(
         ran.push(follower.see(history, frame, step)?);
         Ok(())
     })?;
-    let scene = Buffers { lights: &lights.lights, alias: &lights.alias, ..Buffers::default() };
+    let scene = Buffers {
+        lights: &lights.lights,
+        alias: &lights.alias,
+        tree_nodes: &lights.tree.nodes,
+        tree_lights: &lights.tree.lights,
+        tree_leaves: &lights.tree.leaves,
+        ..Buffers::default()
+    };
     let mut captured = Vec::new();
     for pass in &ran {
         match pass.pass.stage() {
