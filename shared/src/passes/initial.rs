@@ -15,7 +15,8 @@ use crate::light::tile::{TileEntry, Tiles, tile_of};
 use crate::light::tree::TreeNode;
 use crate::motion::NO_LIGHT;
 use crate::resampling::initial::{
-    BsdfRay, Fresh, Techniques, candidate, candidate_from_pool, candidate_from_tile, numbers_from_tile,
+    BsdfRay, Fresh, Techniques, candidate, candidate_at_place, numbers_from_tile, place_in_pool,
+    place_in_tile,
 };
 use crate::reservoir::StoredReservoir;
 use crate::rng::Stream;
@@ -58,8 +59,9 @@ pub fn initial(
         note.tile(place);
         let pool = Tiles { entries: pool_entries, points: pool_points };
         for i in 0..techniques.lights {
-            let mut drawn =
-                candidate_from_pool(&surface, table, techniques, pool, place, i, rng.next_u32x4());
+            let random = rng.next_u32x4();
+            let entry = place_in_pool(place, i, techniques, random.x);
+            let mut drawn = candidate_at_place(&surface, table, techniques, pool, entry, random.y);
             note.draws(Technique::Pool, &mut drawn);
             let stays = fresh.add(drawn);
             note.candidate(Technique::Pool, &drawn, &fresh, stays);
@@ -72,7 +74,8 @@ pub fn initial(
         let mut random = UVec4::ZERO;
         for i in 0..techniques.lights {
             random = numbers_from_tile(i, random, &mut rng);
-            let mut drawn = candidate_from_tile(&surface, table, techniques, tiles, tile, random);
+            let entry = place_in_tile(tile, random.x);
+            let mut drawn = candidate_at_place(&surface, table, techniques, tiles, entry, random.y);
             note.draws(Technique::Tile, &mut drawn);
             let stays = fresh.add(drawn);
             note.candidate(Technique::Tile, &drawn, &fresh, stays);

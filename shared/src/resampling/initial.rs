@@ -141,38 +141,30 @@ pub fn numbers_from_tile(i: u32, last: UVec4, rng: &mut Rng) -> UVec4 {
     if i & 1 == 0 { rng.next_u32x4() } else { UVec4::new(last.z, last.w, 0, 0) }
 }
 
-/// The candidate from tile `tile` that `random` draws.
-pub fn candidate_from_tile(
+/// Place of the entry of tile `tile` that `random` draws.
+pub fn place_in_tile(tile: u32, random: u32) -> u32 {
+    tile * TILE_SIZE + (random & (TILE_SIZE - 1))
+}
+
+/// Place of the entry for candidate `i` from the pool of cell `cell`: each has a part of the pool, in which `random` draws.
+pub fn place_in_pool(cell: u32, i: u32, techniques: Techniques, random: u32) -> u32 {
+    let within = (i * POOL + (random & (POOL - 1))) / techniques.lights;
+    cell * POOL + (within & (POOL - 1))
+}
+
+/// The candidate at `place` of all tiles or pools; its target is what is believed to arrive. `random` decides over its survival.
+pub fn candidate_at_place(
     surface: &Surface,
     lights: LightTable<'_>,
     techniques: Techniques,
     tiles: Tiles<'_>,
-    tile: u32,
-    random: UVec4,
+    place: u32,
+    random: u32,
 ) -> Candidate {
-    let place = tile * TILE_SIZE + (random.x & (TILE_SIZE - 1));
     let entry: TileEntry = tiles.entries[place as usize];
     let sample = LightSample { light: entry.light(), uv: place };
     let incident = entry.incident(lights, surface.position);
-    weighed(surface, techniques, sample, &incident, entry.source_pdf(), random.y)
-}
-
-/// Candidate `i` from the pool of cell `cell`, which `random` draws in its own part of the pool. Its target is what is believed to arrive.
-pub fn candidate_from_pool(
-    surface: &Surface,
-    lights: LightTable<'_>,
-    techniques: Techniques,
-    pool: Tiles<'_>,
-    cell: u32,
-    i: u32,
-    random: UVec4,
-) -> Candidate {
-    let within = (i * POOL + (random.x & (POOL - 1))) / techniques.lights;
-    let place = cell * POOL + (within & (POOL - 1));
-    let entry: TileEntry = pool.entries[place as usize];
-    let sample = LightSample { light: entry.light(), uv: place };
-    let incident = entry.incident(lights, surface.position);
-    let candidate = weighed(surface, techniques, sample, &incident, entry.source_pdf(), random.y);
+    let candidate = weighed(surface, techniques, sample, &incident, entry.source_pdf(), random);
     Candidate { target: candidate.target * entry.visibility(), ..candidate }
 }
 
