@@ -12,6 +12,7 @@ use glam::{Affine3A, DAffine3, IVec2, UVec2, Vec3};
 use shared::camera::Camera;
 use shared::frame::{Settings, mode};
 use shared::light::kind;
+use shared::material::slot;
 use shared::math::luminance;
 use std::path::{Path, PathBuf};
 use tests::failure;
@@ -182,7 +183,7 @@ fn planted_errors_are_seen() {
         Comparison::new(&our_reference(&device, &scene), &Truth::read(truth))
     };
     type Change = fn(&mut SceneDescription);
-    let planted: [(&str, &str, &str, Change); 9] = [
+    let planted: [(&str, &str, &str, Change); 10] = [
         ("1 % more light", "point", "point", |s| s.lights.iter_mut().for_each(|l| *l.emission_mut() *= 1.01)),
         ("a light off by 2 cm", "point", "point", |s| {
             let beside =
@@ -202,6 +203,9 @@ fn planted_errors_are_seen() {
             let turn = glam::Quat::from_rotation_y(0.5f32.to_radians());
             let PlacedLight::Directional(sun) = &mut s.lights[0] else { panic!("{:?}", s.lights) };
             sun.direction = turn * sun.direction;
+        }),
+        ("a texture off by a tenth of its width", "textured", "textured", |s| {
+            s.materials[0].uv_maps[slot::BASE_COLOR].u.z += 0.1
         }),
         ("a mirrored sky", "environment", "environment", |s| {
             s.environment

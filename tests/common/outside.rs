@@ -3,17 +3,28 @@
 use crate::scenes::{self, emitter};
 use candela::scene::procedural::shapes::{Shape, cuboid, polygon, sphere};
 use candela::scene::{
-    DirectionalLight, Environment, Instance, Material, Mesh, PointLight, SceneCamera, SceneDescription,
-    SpotLight, Workflow, fixtures,
+    DirectionalLight, Environment, Filter, Image, Instance, Material, Mesh, Mips, PointLight, SceneCamera,
+    SceneDescription, SpotLight, Texture, Workflow, Wrap, fixtures,
 };
 use glam::{Affine3A, UVec2, Vec3};
+use shared::material::{UvMap, slot};
+use std::sync::Arc;
 
 pub const SIZE: UVec2 = UVec2::new(64, 48);
 
 /// Every scene, by the name of its reference in tests/references.
 pub fn all() -> Vec<SceneDescription> {
-    let mut all =
-        vec![diffuse(), metal(), dielectric(), point(), spot(), directional(), triangle(), environment()];
+    let mut all = vec![
+        diffuse(),
+        metal(),
+        dielectric(),
+        point(),
+        spot(),
+        directional(),
+        triangle(),
+        environment(),
+        textured(),
+    ];
     // As files: a room under a lamp; instances turned, stretched and mirrored, with vertex colors.
     let files = fixtures::all().into_iter().filter(|(name, _)| ["cornell-box", "instances"].contains(name));
     all.extend(files.map(|(_, scene)| scene));
@@ -108,6 +119,45 @@ fn dielectric() -> SceneDescription {
     );
     scene.lights.push(KEY.into());
     add_lamp(&mut scene, Vec3::new(40.0, 50.0, 60.0));
+    scene
+}
+
+/// Textures larger than pixels under both workflows and filters: color, metal and roughness, specular color and gloss; one of them turned.
+fn textured() -> SceneDescription {
+    let mut scene = plain("textured");
+    // Without any symmetry.
+    let texel = |i: u32, channel: u32| (40 + (i * 67 + channel * 41 + i * channel * 23) % 200) as u8;
+    let image = |name: &str| {
+        let texels = (0..8).flat_map(|i| [0, 1, 2, 3].map(|channel| texel(i, channel))).collect();
+        Arc::new(Image { name: name.into(), width: 4, height: 2, texels })
+    };
+    let (color, data) = (image("color"), image("data"));
+    let texture = |image: &Arc<Image>, srgb, linear, wrap| Texture {
+        image: image.clone(),
+        srgb,
+        wrap: [wrap; 2],
+        filter: Filter { magnify_linear: linear, minify_linear: linear, mips: Mips::None },
+    };
+    scene.textures = vec![
+        texture(&color, true, true, Wrap::Repeat),
+        texture(&data, false, true, Wrap::MirroredRepeat),
+        texture(&color, true, false, Wrap::Repeat),
+    ];
+    let [floor, left, middle, right, ..] = &mut scene.materials[..] else {
+        panic!("a floor and three things")
+    };
+    floor.base_color_texture = Some(0);
+    let turned = UvMap { u: Vec3::new(8.0, 6.0, 0.1), v: Vec3::new(-6.0, 8.0, 0.3), set: 0 };
+    floor.uv_maps[slot::BASE_COLOR] = turned;
+    left.base_color_texture = Some(2);
+    left.reflectance_texture = Some(1);
+    left.metallic = 0.8;
+    middle.reflectance_texture = Some(0);
+    middle.workflow = Workflow::SpecularGlossiness;
+    middle.specular = Vec3::new(0.9, 0.6, 0.4);
+    middle.roughness = 0.3;
+    right.base_color_texture = Some(0);
+    scene.lights.push(KEY.into());
     scene
 }
 
