@@ -264,6 +264,10 @@ impl<'w> Mender<'w> {
         let object = object(value)?;
         let mut mended = Map::new();
         for &Field { name, ref shape, need } in fields {
+            // A table that is missing or no list has nothing in it, whatever another object's had.
+            if let Shape::Table(kind, _) = *shape {
+                self.count(kind, 0);
+            }
             let found = object.remove(name).filter(|value| !value.is_null());
             let result = match found {
                 Some(mut value) => self.mend(&mut value, shape, at).map(|()| Some(value)),

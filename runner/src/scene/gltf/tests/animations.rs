@@ -192,6 +192,20 @@ fn of_keys_at_one_time_the_last_counts() {
     );
 }
 
+/// Channels name samplers of their own animation, not those of the one before it.
+#[test]
+fn an_animation_without_samplers_moves_nothing() {
+    for samplers in [Value::Null, json!("none")] {
+        let mut file = moving();
+        let channel = json!({"sampler": 0, "target": {"node": 2, "path": "translation"}});
+        push(&mut file.json["animations"], json!({"channels": [channel], "samplers": samplers}));
+        let scene = file.load().unwrap();
+        assert_eq!(scene.animation.channels.len(), 1);
+        let warnings = scene.warnings.concat();
+        assert!(warnings.contains("animation sampler 0 of 0 does not exist"), "{warnings}");
+    }
+}
+
 /// What glTF 2.0 does not know, or an extension means, must not keep the rest from moving.
 #[test]
 fn channels_that_can_not_be_read_go_alone() {
