@@ -1,10 +1,11 @@
 //! What materials make of rays and light, on the device.
 
 use candela::frame::pipelines::hit_groups;
+use candela::frame::renderer::Renderer;
 use candela::gpu_scene::GpuScene;
 use candela::gpu_scene::arrays::SceneArrays;
 use candela::gpu_scene::memory::costs;
-use candela::scene::lights::LightTable;
+use candela::scene::lights::{LightEdits, LightTable};
 use candela::scene::{AlphaMode, Environment, Filter, Image, Material, PointLight, Primitive, Texture, Wrap};
 use glam::{Affine3A, UVec2, Vec2, Vec3};
 use shared::bsdf;
@@ -180,7 +181,7 @@ fn unused_features_cost_nothing() {
     let screen = Material { emissive_texture: Some(0), ..glowing.clone() };
     let blended = Material { alpha: AlphaMode::Blend, ..Material::default() };
     let sky = Environment { size: UVec2::new(4, 2), radiance: vec![Vec3::ONE; 8] };
-    let plain = ["geometry", "materials", "point lights", "alias table", "light tree"];
+    let plain = ["geometry", "materials", "point lights", "alias table"];
     type Case<'a> = (&'a str, Material, Option<Environment>, u32, &'a [&'a str]);
     let cases: [Case; 9] = [
         ("nothing", Material::default(), None, 0, &[]),
@@ -233,6 +234,29 @@ fn unused_features_cost_nothing() {
         assert_eq!(found(Settings::default()), u32::from(traceable), "{name}");
         assert_eq!(found(Settings { visibility_reuse: 0, ..Settings::default() }), 0, "{name}");
     }
+}
+
+/// The light tree is there from the first frame on that draws from it: a tree of n lights has 2n - 1 nodes of 32 bytes, and a leaf and
+/// a place of 4 bytes each a light. Other lights have none before the next such frame.
+#[test]
+fn a_light_tree_is_made_for_those_who_draw_from_it() {
+    let Some(device) = device() else { return };
+    let lit = |n: usize| scene(vec![lid(Vec3::Y, 0.5)], vec![Material::default()], vec![LIGHT; n]);
+    let mut renderer = renderer(&device, &lit(3), SIZE, 1);
+    let bytes = renderer.scene().bytes();
+    let added = |renderer: &Renderer, bytes: u64| renderer.scene().bytes() - bytes;
+    restir(&mut renderer, camera(SIZE), Settings::default(), 1, 1);
+    assert_eq!(added(&renderer, bytes), 0);
+    let drawn = Settings { cells: 1, ..Settings::default() };
+    restir(&mut renderer, camera(SIZE), drawn, 2, 1);
+    assert_eq!(added(&renderer, bytes), 5 * 32 + 3 * 8);
+    renderer.replace_lights(&lit(5), &LightEdits::default()).unwrap();
+    // This frame stages the change.
+    restir(&mut renderer, camera(SIZE), Settings::default(), 1, 1);
+    let bytes = renderer.scene().bytes();
+    restir(&mut renderer, camera(SIZE), drawn, 1, 1);
+    assert_eq!(added(&renderer, bytes), 9 * 32 + 5 * 8);
+    assert_no_validation_messages(&device);
 }
 
 /// The pixel that sees `point`.

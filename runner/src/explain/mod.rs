@@ -30,6 +30,7 @@ use shared::alpha;
 use shared::camera::Camera;
 use shared::environment::EnvironmentTexel;
 use shared::frame::{FrameConstants, mode};
+use shared::light::tree::{self, Tree};
 use shared::light::{KINDS, Light};
 use shared::motion::InstanceMotion;
 use shared::passes::Body;
@@ -42,6 +43,8 @@ use shared::surface::GBufferTexel;
 pub struct World<'a> {
     occluders: Occluders<'a>,
     lights: lights::LightTable,
+    /// As the device makes it once; lights that move after that stay where they were in it.
+    tree: Tree,
     environment: Vec<EnvironmentTexel>,
     past: Option<Past>,
 }
@@ -60,7 +63,8 @@ impl<'a> World<'a> {
         let lights = lights::LightTable::new(scene);
         let arrays = SceneArrays::new(scene, &lights)?;
         let environment = environment_texels(scene);
-        Ok(World { occluders: Occluders { scene, arrays }, lights, environment, past: None })
+        let tree = tree::build(&lights.lights);
+        Ok(World { occluders: Occluders { scene, arrays }, lights, tree, environment, past: None })
     }
 
     /// Moves what `pose` moves to where `scene`, to which it was applied, has it: for the next frame, as
@@ -85,9 +89,9 @@ impl<'a> World<'a> {
         Buffers {
             lights: &self.lights.lights,
             alias: &self.lights.alias,
-            tree_nodes: &self.lights.tree.nodes,
-            tree_lights: &self.lights.tree.lights,
-            tree_leaves: &self.lights.tree.leaves,
+            tree_nodes: &self.tree.nodes,
+            tree_lights: &self.tree.lights,
+            tree_leaves: &self.tree.leaves,
             instances: &self.occluders.arrays.instances,
             environment: &self.environment,
             previous_lights: past.map_or(&[], |past| &past.lights),

@@ -190,6 +190,9 @@ impl Recorder {
             // It missed a change: what it saw is neither the scene nor its past.
             history.restart();
         }
+        if settings.cells != 0 {
+            self.scene.make_light_tree(&self.device)?;
+        }
         let moved = history.index > 0 && history.scene != now && !self.ignores_motion;
         let constants = FrameConstants {
             camera,

@@ -48,12 +48,6 @@ pub fn costs(scene: &SceneDescription, lights: &LightTable, arrays: &SceneArrays
         size_of_val(alias),
         format!("{} columns for {} lights", alias.len(), lights.lights.len()),
     );
-    let tree = &lights.tree;
-    add(
-        "light tree",
-        size_of_val(&tree.nodes[..]) + size_of_val(&tree.lights[..]) + size_of_val(&tree.leaves[..]),
-        format!("{} nodes over {} lights", tree.nodes.len(), tree.lights.len()),
-    );
     if let Some(map) = &scene.environment {
         let (x, y) = (map.size.x, map.size.y);
         add(
@@ -130,6 +124,6 @@ mod tests {
         let lights = LightTable::new(&scene);
         let arrays = SceneArrays::new(&scene, &lights).unwrap();
         let names: Vec<_> = costs(&scene, &lights, &arrays).iter().map(|cost| cost.feature).collect();
-        assert_eq!(names, ["geometry", "materials", "emissive triangles", "alias table", "light tree"]);
+        assert_eq!(names, ["geometry", "materials", "emissive triangles", "alias table"]);
     }
 }

@@ -2,6 +2,7 @@
 
 pub mod arrays;
 pub mod draws;
+mod light_tree;
 pub mod memory;
 pub mod past;
 
@@ -20,17 +21,21 @@ use draws::Draws;
 use glam::{Affine3A, UVec2, Vec3, Vec3A};
 use past::Past;
 use shared::frame::features;
+use shared::light::tree::Tree;
 use shared::material::{Material, UNLIT_WHITE};
 use shared::resources::{Binding as Place, Resource, set};
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 use std::time::Instant;
 
+const STORAGE: vk::BufferUsageFlags = vk::BufferUsageFlags::STORAGE_BUFFER;
+
 /// The device's copy of a scene. Its handles stay valid as long as it lives.
 pub struct GpuScene {
     set: DescriptorSet,
     light_count: u32,
     tree_lights: u32,
+    tree_is_made: bool,
     environment_size: UVec2,
     first_environment_light: u32,
     features: u32,
@@ -71,24 +76,21 @@ impl GpuScene {
         let arrays = startup::timed("geometry", || SceneArrays::new(scene, &lights))?;
         let start = Instant::now();
         let mut upload = Uploader::new(device);
-        let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
-        let positions = upload.buffer("positions", &arrays.positions, storage | BUILD_INPUT)?;
-        let indices = upload.buffer("indices", &arrays.indices, storage | BUILD_INPUT)?;
-        let environment = upload.buffer("environment map", &environment_texels(scene), storage)?;
-        let buffers = BTreeMap::from([
-            (Resource::instances, upload.buffer("instances", &arrays.instances, storage)?),
+        let positions = upload.buffer("positions", &arrays.positions, STORAGE | BUILD_INPUT)?;
+        let indices = upload.buffer("indices", &arrays.indices, STORAGE | BUILD_INPUT)?;
+        let environment = upload.buffer("environment map", &environment_texels(scene), STORAGE)?;
+        let mut buffers = BTreeMap::from([
+            (Resource::instances, upload.buffer("instances", &arrays.instances, STORAGE)?),
             (Resource::positions, positions),
-            (Resource::attributes, upload.buffer("vertex attributes", &arrays.attributes, storage)?),
+            (Resource::attributes, upload.buffer("vertex attributes", &arrays.attributes, STORAGE)?),
             (Resource::indices, indices),
-            (Resource::materials, upload.buffer("materials", &arrays.materials, storage)?),
-            (Resource::lights, upload.buffer("lights", &lights.lights, storage)?),
-            (Resource::alias, upload.buffer("alias table", &lights.alias, storage)?),
-            (Resource::tree_nodes, upload.buffer("light tree", &lights.tree.nodes, storage)?),
-            (Resource::tree_lights, upload.buffer("lights of the tree", &lights.tree.lights, storage)?),
-            (Resource::tree_leaves, upload.buffer("leaves of lights", &lights.tree.leaves, storage)?),
-            (Resource::second_uvs, upload.buffer("second uvs", &arrays.second_uvs, storage)?),
+            (Resource::materials, upload.buffer("materials", &arrays.materials, STORAGE)?),
+            (Resource::lights, upload.buffer("lights", &lights.lights, STORAGE)?),
+            (Resource::alias, upload.buffer("alias table", &lights.alias, STORAGE)?),
+            (Resource::second_uvs, upload.buffer("second uvs", &arrays.second_uvs, STORAGE)?),
             (Resource::environment, environment),
         ]);
+        buffers.extend(light_tree::buffers(&mut upload, &Tree::default())?);
         let draws = Draws::new(&mut upload, &arrays)?;
         let (textures, views) = upload_textures(device, &mut upload, scene)?;
         upload.finish()?;
@@ -121,7 +123,8 @@ impl GpuScene {
             unlit: unlit.map(|(i, material)| (i, material.base_color.truncate())).collect(),
             set,
             light_count: lights.lights.len() as u32,
-            tree_lights: lights.tree.lights.len() as u32,
+            tree_lights: 0,
+            tree_is_made: false,
             environment_size: environment_size(scene),
             first_environment_light: lights.first_environment as u32,
             features: arrays.features,
@@ -165,7 +168,7 @@ impl GpuScene {
         self.light_count
     }
 
-    /// Lights of the light tree.
+    /// Lights of the light tree; 0 before it is made.
     pub fn tree_lights(&self) -> u32 {
         self.tree_lights
     }

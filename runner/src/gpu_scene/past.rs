@@ -2,7 +2,7 @@
 //! stands still has none of it.
 
 use super::arrays::environment_texels;
-use super::{GpuScene, environment_size, tlas_instances};
+use super::{GpuScene, STORAGE, environment_size, tlas_instances};
 use crate::error::{Error, Result};
 use crate::scene::SceneDescription;
 use crate::scene::animation::Pose;
@@ -19,8 +19,6 @@ use shared::light::Light;
 use shared::motion::{InstanceMotion, NO_LIGHT};
 use shared::resources::{Binding as Place, Resource, set};
 use std::collections::{BTreeMap, BTreeSet};
-
-const STORAGE: vk::BufferUsageFlags = vk::BufferUsageFlags::STORAGE_BUFFER;
 
 /// Indices that stay what they are. An empty buffer can't be bound, so the map says it of the first ones.
 const SAME: [u32; 4] = [0, 1, 2, 3];
@@ -119,9 +117,6 @@ impl GpuScene {
         let maps = [&to_current, &to_previous].map(|map| upload.buffer("light map", map, STORAGE));
         let lights = upload.buffer("lights", &table.lights, STORAGE)?;
         let alias = upload.buffer("alias table", &table.alias, STORAGE)?;
-        let tree_nodes = upload.buffer("light tree", &table.tree.nodes, STORAGE)?;
-        let tree_lights = upload.buffer("lights of the tree", &table.tree.lights, STORAGE)?;
-        let tree_leaves = upload.buffer("leaves of lights", &table.tree.leaves, STORAGE)?;
         let instances = upload.buffer("instances", &self.arrays.instances, STORAGE)?;
         // Texels know their lights.
         let environment = upload.buffer("environment map", &environment_texels(scene), STORAGE)?;
@@ -134,13 +129,9 @@ impl GpuScene {
             past.lights = former;
         }
         self.buffers.insert(Resource::alias, alias);
-        self.buffers.insert(Resource::tree_nodes, tree_nodes);
-        self.buffers.insert(Resource::tree_lights, tree_lights);
-        self.buffers.insert(Resource::tree_leaves, tree_leaves);
         self.buffers.insert(Resource::instances, instances);
         self.buffers.insert(Resource::environment, environment);
         self.light_count = past.table.lights.len() as u32;
-        self.tree_lights = past.table.tree.lights.len() as u32;
         self.environment_size = environment_size(scene);
         self.first_environment_light = past.table.first_environment as u32;
         past.now = Changes {
@@ -149,19 +140,11 @@ impl GpuScene {
             lights_replaced: true,
             ..Changes::default()
         };
-        for place in [
-            Place::lights,
-            Place::alias,
-            Place::tree_nodes,
-            Place::tree_lights,
-            Place::tree_leaves,
-            Place::instances,
-            Place::environment,
-        ] {
+        for place in [Place::lights, Place::alias, Place::instances, Place::environment] {
             self.set.bind_storage_buffer(place.number(), &self.buffers[&place.resource()]);
         }
         past.bind_lights();
-        Ok(())
+        self.drop_light_tree(device)
     }
 
     /// Number of the changes that frames have seen, or the next one will. A frame of one number and the frame of the next are

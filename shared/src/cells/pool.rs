@@ -56,17 +56,21 @@ impl Sources<'_> {
         }
     }
 
-    /// Draws the light of entry `entry` of the pool; [`NO_LIGHT`] for none.
-    pub fn light(&self, entry: u32, rng: &mut Rng) -> u32 {
+    /// Draws the light of entry `entry` of the pool, and its probability in the whole pool; [`NO_LIGHT`] for none.
+    pub fn draw(&self, entry: u32, rng: &mut Rng) -> (u32, Pmf) {
         let shares = self.shares();
-        if entry < shares.list {
+        if entry >= shares.list && entry < shares.list + shares.tree {
+            let (light, by_tree) = self.tree.sample(&self.cell.receiver, rng);
+            return (light, self.mixed(light, by_tree));
+        }
+        let light = if entry < shares.list {
             self.draw_listed(rng)
-        } else if entry < shares.list + shares.tree {
-            self.tree.sample(&self.cell.receiver, rng).0
         } else {
             let random = rng.next_u32x4();
             self.table.sample([random.x, random.y, random.z]).0.light
-        }
+        };
+        // A list may name lights that are no more.
+        if light < self.table.lights.count() { (light, self.pmf(light)) } else { (NO_LIGHT, Pmf(0.0)) }
     }
 
     fn draw_listed(&self, rng: &mut Rng) -> u32 {
@@ -85,18 +89,23 @@ impl Sources<'_> {
         light
     }
 
-    /// The probability with which a sample of the pool, picked evenly, is of `light`.
+    /// The probability with which a sample of the pool, picked evenly, is of `light`, which there must be.
+    pub fn pmf(&self, light: u32) -> Pmf {
+        let walks = self.shares().tree > 0;
+        self.mixed(light, if walks { self.tree.pmf(light, &self.cell.receiver) } else { Pmf(0.0) })
+    }
+
+    /// The same where that of the tree is known.
     ///
     /// Equation (30).
-    pub fn pmf(&self, light: u32) -> Pmf {
+    fn mixed(&self, light: u32, by_tree: Pmf) -> Pmf {
         let shares = self.shares();
         let entry = self.lists[(self.place * LIST + list::place(light)) as usize];
         let listed =
             if shares.list > 0 && entry.light == light { entry.weight / self.cell.list_weight } else { 0.0 };
-        let tree = if shares.tree > 0 { self.tree.pmf(light, &self.cell.receiver).0 } else { 0.0 };
         // Where no light has power there is no table.
         let table = if self.table.alias.is_empty() { 0.0 } else { self.table.pmf(light).0 };
-        let sum = shares.list as f32 * listed + shares.tree as f32 * tree + shares.table as f32 * table;
+        let sum = shares.list as f32 * listed + shares.tree as f32 * by_tree.0 + shares.table as f32 * table;
         Pmf(sum * (1.0 / POOL as f32))
     }
 
@@ -152,7 +161,7 @@ mod tests {
                 const POOLS: u32 = 400;
                 for i in 0..POOLS * POOL {
                     let mut rng = Rng::new(UVec2::new(i, listed), view.count, 3, Stream::Pools, 0);
-                    counts[sources.light(i % POOL, &mut rng) as usize] += 1;
+                    counts[sources.draw(i % POOL, &mut rng).0 as usize] += 1;
                 }
                 let chi2: f64 = (0..33)
                     .map(|i| (pmf(i) * f64::from(POOLS * POOL), f64::from(counts[i as usize])))

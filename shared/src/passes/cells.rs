@@ -9,6 +9,7 @@ use crate::counters::Counters;
 use crate::light::tile::TileEntry;
 use crate::light::tree::TreeNode;
 use crate::light::{Light, LightSample};
+use crate::motion::NO_LIGHT;
 use crate::resources::Extent;
 use crate::rng::{Rng, Stream};
 use crate::surface::GBufferTexel;
@@ -75,13 +76,14 @@ pub fn pools(
     let tree = at.light_tree(tree_nodes, tree_lights, tree_leaves);
     let sources = Sources { table, tree, lists, place, cell };
     let mut rng = Rng::new(UVec2::new(entry, place), at.frame.index, at.frame.seed, Stream::Pools, 0);
-    let light = sources.light(entry, &mut rng);
-    if light >= table.lights.count() {
+    let (light, pmf) = sources.draw(entry, &mut rng);
+    if light == NO_LIGHT {
         return (TileEntry::default(), 0);
     }
     let sample = LightSample { light, uv: rng.next_u32x4().x };
     let cluster = belief::cluster_of(light, tree_leaves[light as usize], tree.count);
     let of_cluster = belief::place(cells::count(at.frame.size), place, cluster);
     let believed = belief::believed(beliefs[of_cluster as usize], cell.visibility);
-    (TileEntry::new(table, sample, sources.pdf(light)).believed(believed), sample.uv)
+    let source_pdf = pmf.and_on_light(table.lights.pdf_li(light));
+    (TileEntry::new(table, sample, source_pdf).believed(believed), sample.uv)
 }

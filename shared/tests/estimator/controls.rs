@@ -2,7 +2,7 @@
 
 use crate::knowledge::known;
 use crate::matrix::base;
-use crate::passes::Plant;
+use crate::plant::Plant;
 use crate::statistics::{T_LIMIT, expected, t_of};
 use crate::world::{self, World};
 use shared::frame::{Settings, mode};

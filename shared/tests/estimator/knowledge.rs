@@ -1,6 +1,7 @@
 //! What cells know in the estimator's tests: learned by the passes of the GPU, or made up.
 
-use crate::passes::{Frame, Plant};
+use crate::passes::Frame;
+use crate::plant::Plant;
 use shared::cells::belief::{self, BELIEFS};
 use shared::cells::list::{self, LIST, ListEntry};
 use shared::cells::pool::{POOL, Sources};

@@ -1,7 +1,7 @@
 //! The whole estimator on the CPU, the very bodies of the GPU's passes, against mathematics in f64.
 //!
 //! [`world`] has the scenes, [`truth`] their radiance by closed form and quadrature, [`passes`] the frame as the GPU runs
-//! it and the errors that can be planted in it, [`statistics`] the test that decides. Then the tests: [`matrix`] (every kind
+//! it, [`knowledge`] what its cells know, [`plant`] the errors that can be planted in it, [`statistics`] the test that decides. Then the tests: [`matrix`] (every kind
 //! of light under every kind of reuse), [`controls`] (each planted error is seen), [`hard_cases`] and [`long_runs`].
 
 mod controls;
@@ -10,6 +10,7 @@ mod knowledge;
 mod long_runs;
 mod matrix;
 mod passes;
+mod plant;
 mod statistics;
 mod truth;
 mod world;

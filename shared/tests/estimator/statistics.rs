@@ -1,6 +1,7 @@
 //! The mean over independent runs against the truth.
 
-use crate::passes::{Plant, Sequence};
+use crate::passes::Sequence;
+use crate::plant::Plant;
 use crate::truth;
 use crate::world::World;
 use shared::frame::Settings;

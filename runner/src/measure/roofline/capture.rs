@@ -11,7 +11,8 @@ use crate::scene::lights::LightTable;
 use glam::UVec2;
 use shared::alpha;
 use shared::frame::FrameConstants;
-use shared::passes::{Question, Rays, Silent, Stage, Visibility, run};
+use shared::light::tree::{self, Tree};
+use shared::passes::{Pass, Question, Rays, Silent, Stage, Visibility, run};
 use shared::resources::Buffers;
 use shared::shadow::ShadowRay;
 use shared::stored_ray::StoredRay;
@@ -36,12 +37,14 @@ pub fn rays(
         ran.push(follower.see(history, frame, step)?);
         Ok(())
     })?;
+    let draws_from_tree = ran.iter().any(|step| step.pass == Pass::pools);
+    let tree = if draws_from_tree { tree::build(&lights.lights) } else { Tree::default() };
     let scene = Buffers {
         lights: &lights.lights,
         alias: &lights.alias,
-        tree_nodes: &lights.tree.nodes,
-        tree_lights: &lights.tree.lights,
-        tree_leaves: &lights.tree.leaves,
+        tree_nodes: &tree.nodes,
+        tree_lights: &tree.lights,
+        tree_leaves: &tree.leaves,
         ..Buffers::default()
     };
     let mut captured = Vec::new();

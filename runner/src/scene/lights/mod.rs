@@ -12,7 +12,6 @@ use super::environment::shines;
 use super::{AlphaMode, Environment, Instance, Material, Mesh, Primitive, SceneDescription};
 use glam::{UVec2, Vec2, Vec3};
 use shared::alias_table::AliasEntry;
-use shared::light::tree::{self, Tree};
 use shared::light::{self, Light, UNTRACEABLE};
 use std::cell::LazyCell;
 use std::ops::Range;
@@ -41,8 +40,6 @@ pub struct LightTable {
     pub lights: Vec<Light>,
     /// Empty if no light has power.
     pub alias: Vec<AliasEntry>,
-    /// Over the lights that are somewhere.
-    pub tree: Tree,
     /// Number of placed lights.
     pub placed: usize,
     /// `[instance][primitive]`: its lights.
@@ -81,8 +78,7 @@ impl LightTable {
         let first_environment = lights.len();
         lights.extend(environment_lights(scene));
         let alias = light::build_alias_table(&lights);
-        let tree = tree::build(&lights);
-        LightTable { lights, alias, tree, placed, of_primitives, first_environment, emitters, textured }
+        LightTable { lights, alias, placed, of_primitives, first_environment, emitters, textured }
     }
 
     /// The light of the first triangle of a primitive of an instance, if rays that hit its triangles find theirs.
