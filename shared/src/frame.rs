@@ -24,7 +24,7 @@ macro_rules! default {
         $on as u32
     };
     // Off: how many lights there are is not known here.
-    (auto ($lights:expr) $auto:ident) => {
+    (auto $args:tt $auto:ident) => {
         0
     };
     (choice ($type:ident, $value:expr) $choice:ident) => {

@@ -16,7 +16,8 @@
 /// - `number(RANGE, STEP)`, f32: above 0; the viewer goes through the range in steps,
 /// - `angle(RANGE, STEP)`, f32: degrees above 0, not beyond the range's end; the field is the cosine,
 /// - `switch()`, u32: on (1) or off (0),
-/// - `auto(RANGE)`, u32: on, off, or on with so many lights,
+/// - `auto(RANGE)`, u32: on, off, or on with so many lights; `auto(RANGE, FROM, MOST)`: from FROM lights on only where at most MOST
+///   of them lie on a m², [`crate::light::count`],
 /// - `choice(TYPE, VALUE)`, u32: one of a few words; the field's value of the default.
 #[macro_export]
 macro_rules! knobs {
@@ -81,10 +82,14 @@ macro_rules! knobs {
             label "Light tiles", about "Draw light candidates from small presampled lists",
             higher "faster with very many lights", lower "each pixel draws from all lights",
             bias "none; neighboring pixels share candidates";
-        // One light is drawn every time anyway; of thousands the pools of cells hold too few (docs/performance.md).
-        cells -> cells: auto(2..=4095) = Auto,
+        // One light is drawn every time anyway; of thousands that all see a pixel, pools hold too few (docs/performance.md).
+        cells -> cells: auto(2..=u32::MAX, 4096, 10.0) = Auto,
             label "Light cells", about "Draw light candidates from what cells of the world have learned to see; `tiles` act without them",
             higher "far less noise where many lights are hidden or far away", lower "candidates by power alone",
+            bias "none";
+        learning -> learning: switch() = true,
+            label "Learning", about "Cells learn which lights they see",
+            higher "far less noise where lights are hidden", lower "candidates from a light tree, the better known baseline",
             bias "none";
         pairs -> pairs: switch() = true,
             label "Pairs", about "Merge pairs of pixels that chose each other, not `neighbors`; acts in unbiased mode",

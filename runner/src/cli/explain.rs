@@ -61,7 +61,7 @@ pub fn run(args: &ExplainArgs) -> Result<()> {
     scene.camera(args.camera.as_deref())?;
     let device = Device::new(&args.device.options())?;
     let gpu_scene = GpuScene::new(&device, &scene)?;
-    let settings = knobs.settings(gpu_scene.light_count());
+    let settings = knobs.settings(gpu_scene.lights());
     let mut renderer = Renderer::new(&device, gpu_scene, args.size, settings.reservoirs)?;
     let options = FrameOptions::new(Work::Restir(settings), knobs.primary, args.seed);
 

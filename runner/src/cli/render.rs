@@ -70,7 +70,7 @@ fn still(args: &RenderArgs, frames: u32) -> Result<()> {
     let camera = view::camera(&scene, &args.picture)?;
     let device = Device::new(&args.device.options())?;
     let gpu_scene = GpuScene::new(&device, &scene)?;
-    let settings = knobs.settings(gpu_scene.light_count());
+    let settings = knobs.settings(gpu_scene.lights());
     let size = args.picture.size;
     let mut renderer = Renderer::new(&device, gpu_scene, size, settings.reservoirs)?;
     if args.accumulate && device.info().is_processor() && (settings.temporal | settings.spatial) != 0 {

@@ -42,7 +42,7 @@ pub fn run(args: &RooflineArgs) -> Result<()> {
     let device = Device::new(&args.device.options())?;
     let gpu_scene = GpuScene::new(&device, &scene)?;
     let knobs = args.knobs.knobs()?;
-    let settings = knobs.settings(gpu_scene.light_count());
+    let settings = knobs.settings(gpu_scene.lights());
     let mut renderer = Renderer::new(&device, gpu_scene, args.size, settings.reservoirs)?;
     let frame = roofline::Frame { camera, settings, primary: knobs.primary };
     let roofline = roofline::measure(&mut renderer, &lights, frame, args.frames)?;

@@ -42,7 +42,7 @@ pub fn run(args: &RenderArgs, frames: Range<u32>) -> Result<()> {
     view::camera(&scene, &args.picture)?;
     let device = Device::new(&args.device.options())?;
     let gpu_scene = GpuScene::new(&device, &scene)?;
-    let settings = knobs.settings(gpu_scene.light_count());
+    let settings = knobs.settings(gpu_scene.lights());
     let renderer = Renderer::new(&device, gpu_scene, args.picture.size, settings.reservoirs)?;
     let options = args.picture.options(Work::Restir(settings), knobs.primary);
     let mut film = Film { args, scene, renderer, options, next: None, times: PassTimes::default() };

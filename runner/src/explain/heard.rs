@@ -7,7 +7,7 @@ use super::record::{
 use super::replay::Replay;
 use glam::{UVec2, Vec3};
 use shared::alpha::SURE_HITS_ONLY;
-use shared::cells::pool::POOL;
+use shared::cells;
 use shared::interface::HitPayload;
 use shared::light::LightSample;
 use shared::light::tile::{TILE_SIZE, presample};
@@ -168,7 +168,10 @@ impl<'a> Heard<'a> {
             by: match technique {
                 Technique::Table => "table",
                 Technique::Tile => "tile",
-                Technique::Pool => self.replay.source(self.lane, place % POOL),
+                Technique::Pool => {
+                    let pool = cells::pool(self.replay.at(self.lane).frame);
+                    self.replay.source(self.lane, place % pool)
+                }
                 Technique::Bsdf => "bsdf",
             },
             light,

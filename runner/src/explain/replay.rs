@@ -101,7 +101,7 @@ impl Replay<'_> {
         let table = at.light_table(b.lights, b.alias);
         let tree = at.light_tree(b.tree_nodes, b.tree_lights, b.tree_leaves);
         let place = cell_of(at.frame, &at.surface(&at.texel(b.gbuffer)), at.pixel);
-        Sources { table, tree, lists: b.lists, place, cell: b.cells[place as usize] }
+        at.sources(table, tree, b.cells, b.lists, b.beliefs, place)
     }
 
     fn run(&self, lane: u32, buffers: &Buffers<'_>, heard: &Listener<'_>) -> Option<Output> {

@@ -115,7 +115,7 @@ fn restir_di(frame: &mut Frame, settings: &Settings) {
     let unbiased = settings.mode == mode::UNBIASED;
     let weights = if unbiased { variant::UNBIASED } else { 0 };
     if settings.cells != 0 {
-        candidates_of_cells(frame);
+        candidates_of_cells(frame, settings);
     } else if settings.tiles != 0 {
         frame.run(Pass::presample);
         frame.run_variant(Pass::initial, variant::TILED);
@@ -149,12 +149,14 @@ fn restir_di(frame: &mut Frame, settings: &Settings) {
 }
 
 /// Fresh candidates from what the cells of the world have learned; and what they learn of it.
-fn candidates_of_cells(frame: &mut Frame) {
+fn candidates_of_cells(frame: &mut Frame, settings: &Settings) {
     for pass in [Pass::learn_beliefs, Pass::learn_lists, Pass::mark_cells, Pass::cells, Pass::pools] {
         frame.run(pass);
     }
     frame.run_variant(Pass::initial, variant::CELLS);
-    frame.run(Pass::observe);
+    if settings.learning != 0 {
+        frame.run(Pass::observe);
+    }
 }
 
 /// The sum over `lights`.

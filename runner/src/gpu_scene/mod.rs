@@ -21,6 +21,7 @@ use draws::Draws;
 use glam::{Affine3A, UVec2, Vec3, Vec3A};
 use past::Past;
 use shared::frame::features;
+use shared::light::count::LightCount;
 use shared::light::tree::Tree;
 use shared::material::{Material, UNLIT_WHITE};
 use shared::resources::{Binding as Place, Resource, set};
@@ -33,7 +34,7 @@ const STORAGE: vk::BufferUsageFlags = vk::BufferUsageFlags::STORAGE_BUFFER;
 /// The device's copy of a scene. Its handles stay valid as long as it lives.
 pub struct GpuScene {
     set: DescriptorSet,
-    light_count: u32,
+    lights: LightCount,
     tree_lights: u32,
     tree_is_made: bool,
     environment_size: UVec2,
@@ -122,7 +123,7 @@ impl GpuScene {
             present,
             unlit: unlit.map(|(i, material)| (i, material.base_color.truncate())).collect(),
             set,
-            light_count: lights.lights.len() as u32,
+            lights: LightCount::of(&lights.lights),
             tree_lights: 0,
             tree_is_made: false,
             environment_size: environment_size(scene),
@@ -165,7 +166,11 @@ impl GpuScene {
     }
 
     pub fn light_count(&self) -> u32 {
-        self.light_count
+        self.lights.number
+    }
+
+    pub fn lights(&self) -> LightCount {
+        self.lights
     }
 
     /// Lights of the light tree; 0 before it is made.

@@ -16,6 +16,7 @@ use glam::Affine3A;
 use shared::frame::features;
 use shared::geometry::InstanceGeometry;
 use shared::light::Light;
+use shared::light::count::LightCount;
 use shared::motion::{InstanceMotion, NO_LIGHT};
 use shared::resources::{Binding as Place, Resource, set};
 use std::collections::{BTreeMap, BTreeSet};
@@ -131,7 +132,7 @@ impl GpuScene {
         self.buffers.insert(Resource::alias, alias);
         self.buffers.insert(Resource::instances, instances);
         self.buffers.insert(Resource::environment, environment);
-        self.light_count = past.table.lights.len() as u32;
+        self.lights = LightCount::of(&past.table.lights);
         self.environment_size = environment_size(scene);
         self.first_environment_light = past.table.first_environment as u32;
         past.now = Changes {

@@ -2,6 +2,7 @@
 
 use super::{Auto, Choice, Knobs, Mode};
 use crate::frame::schedule::Primary;
+use shared::light::count::Condition;
 use std::fmt;
 use std::ops::RangeInclusive;
 
@@ -35,7 +36,7 @@ pub(super) enum Kind {
     Switch,
     /// On from so many lights on, unless it is switched.
     /// On with so many lights.
-    Auto(RangeInclusive<u32>),
+    Auto(Condition),
     /// Words from the lowest to the highest, with their meanings.
     Choice(&'static [(&'static str, &'static str)]),
 }
@@ -274,10 +275,16 @@ macro_rules! choices {
 
 fields! { u32: Count f32: Number f64: Angle bool: Switch }
 /// In words.
-fn on_with(lights: &RangeInclusive<u32>) -> String {
-    match (lights.start(), lights.end()) {
+fn on_with(Condition { number, sparse }: &Condition) -> String {
+    let range = match (number.start(), number.end()) {
         (from, &u32::MAX) => format!("on from {from} lights on"),
         (from, to) => format!("on from {from} to {to} lights"),
+    };
+    match sparse {
+        Some((from, most)) => {
+            format!("{range}, from {from} on if at most {most} lie on a m² of the largest side of their box")
+        }
+        None => range,
     }
 }
 

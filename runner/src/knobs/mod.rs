@@ -12,6 +12,7 @@ use crate::frame::schedule::Primary;
 use knob::{Counting, Field, Kind};
 use serde::{Deserialize, Serialize};
 use shared::frame::Settings;
+use shared::light::count::{Condition, LightCount};
 
 /// The type of a knob in the document.
 macro_rules! value {
@@ -53,8 +54,8 @@ macro_rules! field {
     (switch $args:tt $on:expr, $lights:expr) => {
         $on.into()
     };
-    (auto ($range:expr) $auto:expr, $lights:expr) => {
-        $auto.is_on(($range).contains(&$lights)).into()
+    (auto $args:tt $auto:expr, $lights:expr) => {
+        $auto.is_on(condition!($args).holds($lights)).into()
     };
     (angle $args:tt $degrees:expr, $lights:expr) => {
         $degrees.to_radians().cos() as f32
@@ -64,6 +65,16 @@ macro_rules! field {
     };
     ($number:ident $args:tt $value:expr, $lights:expr) => {
         $value
+    };
+}
+
+/// When a switch is on by itself.
+macro_rules! condition {
+    (($range:expr)) => {
+        Condition { number: $range, sparse: None }
+    };
+    (($range:expr, $from:literal, $most:literal)) => {
+        Condition { number: $range, sparse: Some(($from, $most)) }
     };
 }
 
@@ -81,8 +92,8 @@ macro_rules! kind {
     (switch ()) => {
         Kind::Switch
     };
-    (auto ($range:expr)) => {
-        Kind::Auto($range)
+    (auto $args:tt) => {
+        Kind::Auto(condition!($args))
     };
     (choice ($type:ident $(, $word:expr)?)) => {
         Kind::Choice(<$type as Choice>::WORDS)
@@ -116,7 +127,8 @@ macro_rules! knobs {
 
         impl Knobs {
             /// What shaders read, in a scene of so many lights.
-            pub fn settings(&self, lights: u32) -> Settings {
+            pub fn settings(&self, lights: impl Into<LightCount>) -> Settings {
+                let lights = lights.into();
                 Settings { $($field: field!($kind $args self.$name, lights),)* }
             }
         }

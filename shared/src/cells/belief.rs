@@ -1,6 +1,7 @@
-//! What cells believe of clusters of lights: how often a shadow ray to one of them arrives.
+//! What cells believe of the nodes of the light tree: how often a shadow ray to one of their lights arrives. A node of which
+//! little is known is believed of as its parent is, so few rays teach a cell that a whole street is hidden, and many that one of its
+//! lamps is not.
 
-use crate::motion::NO_LIGHT;
 use crate::rng::hash;
 use glam::UVec4;
 
@@ -8,37 +9,27 @@ use glam::UVec4;
 /// believed of together.
 pub const BELIEFS: u32 = 1 << 8;
 
-/// Most clusters of the lights of a tree, as powers of two; fewer lights are each by itself.
-const CLUSTERS_LOG2: u32 = 13;
+/// The root of the tree: all lights, also those that are nowhere.
+pub const ALL: u32 = 0;
+
 /// Fractions of a ray in a count.
 const UNIT: u32 = 32;
 /// Of each count a 32nd is forgotten in a frame.
 const FORGETS: u32 = 32;
-/// Rays that arrived before any was asked for: what nobody has asked for is worth asking.
-const HOPE: f32 = 0.3;
+/// Rays that a node's parent answers for before its own count as much: what nobody has asked for is worth asking.
+const HOPE: f32 = 1.0;
 /// The least that is believed: rare lights that do arrive would be bright specks below it. Measured in docs/performance.md.
 const FLOOR: f32 = 0.05;
 
-/// The cluster of `light`, which lies at `leaf` of a light tree of `count`: neighbors in the tree, or texels of an environment that
-/// follow each other.
-pub fn cluster_of(light: u32, leaf: u32, mut count: u32) -> u32 {
-    if leaf == NO_LIGHT {
-        return 1 << 31 | light >> 4;
-    }
-    let mut cluster = leaf;
-    while count > 1 << CLUSTERS_LOG2 {
-        cluster >>= 1;
-        count >>= 1;
-    }
-    cluster
+/// Stands for what `light` is believed to be together with, of the lights that are in no tree: texels of an environment that follow
+/// each other.
+pub fn far_away(light: u32) -> u32 {
+    1 << 31 | light >> 4
 }
 
-/// Stands for all clusters together.
-pub const ALL: u32 = u32::MAX;
-
-/// The place of what cell `cell` of so many `cells` believes of `cluster`.
-pub fn place(cells: u32, cell: u32, cluster: u32) -> u32 {
-    hash(UVec4::new(cell, cluster, 0x5eed, 0)).x & (cells * BELIEFS - 1)
+/// The place of what cell `cell` of so many `cells` believes of `node`.
+pub fn place(cells: u32, cell: u32, node: u32) -> u32 {
+    hash(UVec4::new(cell, node, 0x5eed, 0)).x & (cells * BELIEFS - 1)
 }
 
 /// A ray, as it is counted in a frame: asked in the upper half, seen in the lower.
@@ -58,13 +49,40 @@ pub fn learned(belief: u32, observed: u32) -> u32 {
     asked << 16 | seen.min(asked)
 }
 
-/// The fraction of rays that is believed to arrive, in (0, 1]; `prior` where none was asked for.
+/// The fraction of rays that is believed to arrive, in [0, 1], where that of the parent is `prior`.
 ///
 /// Equation (32).
 pub fn believed(belief: u32, prior: f32) -> f32 {
     let hope = HOPE * UNIT as f32;
-    let fraction = ((belief & 0xffff) as f32 + hope * prior) / ((belief >> 16) as f32 + hope);
-    fraction.clamp(FLOOR, 1.0)
+    ((belief & 0xffff) as f32 + hope * prior) / ((belief >> 16) as f32 + hope)
+}
+
+/// What a fraction that is believed weighs, in (0, 1].
+pub fn weight(fraction: f32) -> f32 {
+    fraction.max(FLOOR)
+}
+
+/// What one cell believes.
+#[derive(Clone, Copy)]
+pub struct Beliefs<'a> {
+    /// Of all cells.
+    pub table: &'a [u32],
+    /// How many places for cells that is.
+    pub cells: u32,
+    /// Which cell.
+    pub cell: u32,
+}
+
+impl Beliefs<'_> {
+    /// The rays to `node`, for [`believed`].
+    pub fn rays(&self, node: u32) -> u32 {
+        self.table[place(self.cells, self.cell, node) as usize]
+    }
+
+    /// Of `node`, see [`believed`].
+    pub fn of(&self, node: u32, prior: f32) -> f32 {
+        believed(self.rays(node), prior)
+    }
 }
 
 #[cfg(test)]
@@ -83,7 +101,8 @@ mod tests {
             let fraction = seen as f32 / rays as f32;
             assert!((belief - fraction).abs() < 0.01, "{belief} instead of {fraction}");
         }
-        assert_eq!(believed(after(200, 40, 0), 1.0), FLOOR);
+        assert!(believed(after(200, 40, 0), 1.0) < 0.01);
+        assert_eq!(weight(believed(after(200, 40, 0), 1.0)), FLOOR);
         let forgotten = (0..400).fold(after(200, 40, 0), |belief, _| learned(belief, 0));
         assert_eq!((forgotten, believed(forgotten, 0.7)), (0, 0.7));
         // Within a second or two at 60 frames a second.
@@ -97,20 +116,19 @@ mod tests {
         for word in (0..=u32::MAX).step_by(65_521) {
             for prior in [0.05, 1.0] {
                 let fraction = believed(learned(word, word.rotate_left(7)), prior);
-                assert!((FLOOR..=1.0).contains(&fraction));
-                assert!((FLOOR..=1.0).contains(&believed(word, prior)));
+                assert!((0.0..=1.0).contains(&fraction), "{fraction}");
+                assert!((FLOOR..=1.0).contains(&weight(fraction)));
             }
         }
     }
 
-    /// Few lights are each by itself; of many at most 2^13 clusters of neighbors are left.
+    /// Of a node that nobody has asked for its parent's fraction is believed; rays of its own count more and more.
     #[test]
-    fn clusters_are_neighbors() {
-        assert!((0..8192).all(|leaf| cluster_of(9, leaf, 8192) == leaf));
-        let clusters = |count: u32| cluster_of(0, count - 1, count) + 1;
-        for count in [8193, 20_000, 1_000_000, 16_000_000] {
-            assert!((4096..=8192).contains(&clusters(count)), "{count}: {}", clusters(count));
+    fn parents_answer_for_what_is_unknown() {
+        for prior in [0.0, 0.3, 1.0] {
+            assert_eq!(believed(0, prior), prior);
+            let beliefs = [0, 1, 5, 50].map(|rays| believed(learned(0, rays << 16), prior));
+            assert!(beliefs.windows(2).all(|pair| pair[1] < pair[0] || prior == 0.0), "{beliefs:?}");
         }
-        assert_ne!(cluster_of(3, NO_LIGHT, 10), cluster_of(3, 3, 10));
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! A cell is a cube around what the camera sees, about as wide as a sixteenth of its distance, with one of six main directions of
 //! its surfaces. Pixels choose theirs a little at random, so that no edges show. Between frames a cell keeps
-//! - **beliefs** ([`belief`]): how many of the shadow rays to each cluster of lights arrived,
+//! - **beliefs** ([`belief`]): how many of the shadow rays to the lights below each node of the light tree arrived,
 //! - a **list** ([`list`]) of lights that were seen from it, with what they gave.
 //!
 //! In each frame it is given a **pool** ([`pool`]) of light samples that its pixels take their candidates from. All that was
@@ -26,6 +26,13 @@ use glam::{UVec2, UVec4, Vec3};
 /// Most and fewest places of cells.
 const MOST: u32 = 1 << 14;
 const FEWEST: u32 = 1 << 8;
+/// Samples of a pool, a power of two; and from so many lights on, where fewer would be the same for too many pixels. Measured in
+/// docs/performance.md.
+const POOL: u32 = 128;
+const MANY_LIGHTS: u32 = 4096;
+const POOL_OF_MANY: u32 = 1024;
+/// There is room for so many samples for each place; larger pools have fewer.
+const ROOM: u32 = 256;
 /// Threads in a row of a launch over cells.
 pub const ROW: u32 = 256;
 
@@ -100,15 +107,30 @@ impl Cube {
     }
 }
 
-/// Places of cells for a picture of `size`, a power of two: a 16th of its pixels, and not more where cells keep their width.
-pub fn count(size: UVec2) -> u32 {
+/// Most places of cells for a picture of `size`, a power of two: a 16th of its pixels, and not more where cells keep their width.
+pub fn most(size: UVec2) -> u32 {
     let places = size.x * size.y / 16;
     (1 << (u32::BITS - places.leading_zeros())).clamp(FEWEST, MOST)
 }
 
+/// Threads of a launch over the samples of all pools.
+pub fn samples(size: UVec2) -> UVec2 {
+    UVec2::new(POOL_OF_MANY, most(size) * ROOM / POOL_OF_MANY)
+}
+
+/// Samples of the pool of a cell.
+pub fn pool(frame: &FrameConstants) -> u32 {
+    if frame.tree_lights >= MANY_LIGHTS { POOL_OF_MANY } else { POOL }
+}
+
+/// Places of cells, a power of two.
+pub fn count(frame: &FrameConstants) -> u32 {
+    most(frame.size) / (pool(frame) / ROOM).max(1)
+}
+
 /// The cell of what `pixel` sees: its place.
 pub fn cell_of(frame: &FrameConstants, surface: &Surface, pixel: UVec2) -> u32 {
-    Cube::of(frame, surface, pixel).key() & (count(frame.size) - 1)
+    Cube::of(frame, surface, pixel).key() & (count(frame) - 1)
 }
 
 impl Cell {

@@ -4,15 +4,13 @@
 //! pool: whichever it came from, its density is that of the whole mixture.
 
 use super::Cell;
+use super::belief::Beliefs;
 use super::list::{self, LIST, ListEntry};
 use crate::light::LightTable;
-use crate::light::tree::LightTree;
+use crate::light::tree::{Draw, LightTree};
 use crate::motion::NO_LIGHT;
 use crate::pdf::{Pmf, SourcePdf};
 use crate::rng::Rng;
-
-/// Samples of a pool, a power of two.
-pub const POOL: u32 = 128;
 
 /// What a cell's lights are drawn from.
 #[derive(Clone, Copy)]
@@ -21,9 +19,12 @@ pub struct Sources<'a> {
     pub tree: LightTree<'a>,
     /// Of all cells.
     pub lists: &'a [ListEntry],
+    pub beliefs: Beliefs<'a>,
     /// Which cell.
     pub place: u32,
     pub cell: Cell,
+    /// Samples of its pool.
+    pub pool: u32,
 }
 
 /// How many samples of a pool each source gives.
@@ -38,9 +39,9 @@ impl Sources<'_> {
     /// A quarter is the table's: it alone has light from infinity, and every other light that the rest may forget. Measured in
     /// docs/performance.md.
     fn shares(&self) -> Shares {
-        let list = if self.cell.list_weight > 0.0 { POOL / 4 } else { 0 };
-        let tree = if self.tree.count > 0 { POOL - POOL / 4 - list } else { 0 };
-        Shares { list, tree, table: POOL - list - tree }
+        let list = if self.cell.list_weight > 0.0 { self.pool / 4 } else { 0 };
+        let tree = if self.tree.count > 0 { self.pool - self.pool / 4 - list } else { 0 };
+        Shares { list, tree, table: self.pool - list - tree }
     }
 
     /// What entry `entry` of the pool is drawn from.
@@ -56,24 +57,24 @@ impl Sources<'_> {
         }
     }
 
-    /// Draws the light of entry `entry` of the pool, and its probability in the whole pool; [`NO_LIGHT`] for none.
-    pub fn draw(&self, entry: u32, rng: &mut Rng) -> (u32, Pmf) {
+    /// Draws entry `entry` of the pool; its probability is that in the whole pool.
+    pub fn sample(&self, entry: u32, rng: &mut Rng) -> Draw {
         let shares = self.shares();
         if entry >= shares.list && entry < shares.list + shares.tree {
-            let (light, by_tree) = self.tree.sample(&self.cell.receiver, rng);
-            return (light, self.mixed(light, by_tree));
+            let Sources { cell, beliefs, .. } = self;
+            return self.mixed(self.tree.sample(&cell.receiver, beliefs, cell.visibility, rng));
         }
         let light = if entry < shares.list {
-            self.draw_listed(rng)
+            self.sample_list(rng)
         } else {
             let random = rng.next_u32x4();
             self.table.sample([random.x, random.y, random.z]).0.light
         };
         // A list may name lights that are no more.
-        if light < self.table.lights.count() { (light, self.pmf(light)) } else { (NO_LIGHT, Pmf(0.0)) }
+        if light < self.table.lights.count() { self.draw(light) } else { Draw::none() }
     }
 
-    fn draw_listed(&self, rng: &mut Rng) -> u32 {
+    fn sample_list(&self, rng: &mut Rng) -> u32 {
         let mut left = rng.next_f32() * self.cell.list_weight;
         let mut light = NO_LIGHT;
         let mut i = 0;
@@ -89,24 +90,24 @@ impl Sources<'_> {
         light
     }
 
-    /// The probability with which a sample of the pool, picked evenly, is of `light`, which there must be.
-    pub fn pmf(&self, light: u32) -> Pmf {
-        let walks = self.shares().tree > 0;
-        self.mixed(light, if walks { self.tree.pmf(light, &self.cell.receiver) } else { Pmf(0.0) })
+    /// The draw of `light`, which there must be, as [`Sources::sample`] makes it of an entry that is picked evenly.
+    pub fn draw(&self, light: u32) -> Draw {
+        self.mixed(self.tree.draw(light, &self.cell.receiver, &self.beliefs, self.cell.visibility))
     }
 
-    /// The same where that of the tree is known.
+    /// The same where the tree's is known.
     ///
     /// Equation (30).
-    fn mixed(&self, light: u32, by_tree: Pmf) -> Pmf {
+    fn mixed(&self, by_tree: Draw) -> Draw {
+        let Draw { light, pmf, .. } = by_tree;
         let shares = self.shares();
         let entry = self.lists[(self.place * LIST + list::place(light)) as usize];
         let listed =
             if shares.list > 0 && entry.light == light { entry.weight / self.cell.list_weight } else { 0.0 };
         // Where no light has power there is no table.
         let table = if self.table.alias.is_empty() { 0.0 } else { self.table.pmf(light).0 };
-        let sum = shares.list as f32 * listed + shares.tree as f32 * by_tree.0 + shares.table as f32 * table;
-        Pmf(sum * (1.0 / POOL as f32))
+        let sum = shares.list as f32 * listed + shares.tree as f32 * pmf.0 + shares.table as f32 * table;
+        Draw { pmf: Pmf(sum / self.pool as f32), ..by_tree }
     }
 
     /// The density of a sample on `light`, in the light's own measure; 0 for no light.
@@ -114,13 +115,14 @@ impl Sources<'_> {
         if light >= self.table.lights.count() {
             return SourcePdf(0.0);
         }
-        self.pmf(light).and_on_light(self.table.lights.pdf_li(light))
+        self.draw(light).pmf.and_on_light(self.table.lights.pdf_li(light))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cells::belief;
     use crate::light::tree::{self, Receiver};
     use crate::light::{Light, Lights, build_alias_table};
     use crate::rng::Stream;
@@ -145,23 +147,29 @@ mod tests {
         let receiver = Receiver { center: Vec3::new(1.0, 0.0, 7.0), radius: 0.5, normal: Vec3::Y };
         let place = 77;
         let mut lists = vec![ListEntry::default(); (100 * LIST) as usize];
+        // Some rays to every node, of which a part arrived.
+        let known: Vec<u32> = (0..belief::BELIEFS).map(|i| (i % 50) << 16 | i % 50 * (i % 7) / 7).collect();
+        const POOL: u32 = 128;
         for listed in [0, 1, 17] {
             for light in (0..listed).map(|i| i * 31 % 33) {
                 let weight = 0.1 + light as f32;
                 lists[(place * LIST + list::place(light)) as usize] = ListEntry { light, weight };
             }
             let weights = lists[(place * LIST) as usize..][..LIST as usize].iter().map(|entry| entry.weight);
-            let cell = Cell { receiver, list_weight: weights.sum(), visibility: 1.0 };
+            let cell = Cell { receiver, list_weight: weights.sum(), visibility: 0.6 };
             for view in [tree.view(), LightTree { count: 0, ..tree.view() }] {
-                let sources = Sources { table, tree: view, lists: &lists, place, cell };
-                let pmf = |light| f64::from(sources.pmf(light).0);
+                let beliefs = Beliefs { table: &known, cells: 1, cell: 0 };
+                let sources = Sources { table, tree: view, lists: &lists, beliefs, place, cell, pool: POOL };
+                let pmf = |light| f64::from(sources.draw(light).pmf.0);
                 let sum: f64 = (0..33).map(pmf).sum();
                 assert!((sum - 1.0).abs() < 1e-5, "{listed} listed: {sum}");
                 let mut counts = [0u32; 33];
                 const POOLS: u32 = 400;
                 for i in 0..POOLS * POOL {
                     let mut rng = Rng::new(UVec2::new(i, listed), view.count, 3, Stream::Pools, 0);
-                    counts[sources.draw(i % POOL, &mut rng).0 as usize] += 1;
+                    let drawn = sources.sample(i % POOL, &mut rng);
+                    assert_eq!(drawn, sources.draw(drawn.light));
+                    counts[drawn.light as usize] += 1;
                 }
                 let chi2: f64 = (0..33)
                     .map(|i| (pmf(i) * f64::from(POOLS * POOL), f64::from(counts[i as usize])))

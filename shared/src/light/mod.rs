@@ -2,6 +2,8 @@
 //! view of those 64 bytes; [`kinds`] lists them.
 
 mod arrival;
+#[cfg(not(target_arch = "spirv"))]
+pub mod count;
 pub mod directional;
 pub mod environment;
 pub mod found;

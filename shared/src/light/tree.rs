@@ -5,6 +5,7 @@
 //! Lights lie at the leaves in the order of their Morton codes; a node of n leaves has n/2 of them, rounded down, under its first
 //! child. A subtree of n leaves takes 2n - 1 nodes in a row: no pointers.
 
+use crate::cells::belief::{self, Beliefs};
 use crate::math::unpack_direction;
 use crate::motion::NO_LIGHT;
 use crate::pdf::Pmf;
@@ -48,9 +49,7 @@ impl TreeNode {
         unpack_direction((self.cone & 0xff) << 8 | (self.cone & 0xff00) << 16)
     }
 
-    /// How much of it may arrive at `receiver`, lx: only ratios matter.
-    ///
-    /// Equation (31).
+    /// How much of it may arrive at `receiver` unshadowed, lx: only ratios matter.
     fn importance(&self, receiver: &Receiver) -> f32 {
         let to = 0.5 * (self.min + self.max) - receiver.center;
         let half = 0.5 * (self.max - self.min).length() + receiver.radius;
@@ -86,6 +85,24 @@ pub struct LightTree<'a> {
     pub count: u32,
 }
 
+/// A light as it is drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Draw {
+    /// [`NO_LIGHT`]: none.
+    pub light: u32,
+    /// The probability of drawing it.
+    pub pmf: Pmf,
+    /// The fraction of its light that is believed to arrive, in [0, 1].
+    pub visibility: f32,
+}
+
+impl Draw {
+    /// No light.
+    pub fn none() -> Self {
+        Draw { light: NO_LIGHT, pmf: Pmf(0.0), visibility: 1.0 }
+    }
+}
+
 /// A walk from the root to a leaf.
 #[derive(Clone, Copy)]
 struct Walk {
@@ -95,71 +112,117 @@ struct Walk {
     count: u32,
     /// Probability of having come here.
     pmf: f32,
+    /// What is believed of `node`, and whether there is a ray that it stands on.
+    visibility: f32,
+    asked: bool,
+}
+
+/// The children of a node.
+#[derive(Clone, Copy)]
+struct Fork {
+    /// Their probabilities, and what is believed of them.
+    pmf: [f32; 2],
+    visibility: [f32; 2],
+    asked: [bool; 2],
 }
 
 impl Walk {
+    /// From the root of a tree of `count` leaves.
+    fn start(count: u32, visibility: f32) -> Self {
+        Walk { node: 0, first: 0, count, pmf: 1.0, visibility, asked: true }
+    }
+
+    fn children(self) -> [u32; 2] {
+        [self.node + 1, self.node + 2 * (self.count / 2)]
+    }
+
+    /// Is leaf `leaf` below the second child?
+    fn is_second(self, leaf: u32) -> bool {
+        leaf >= self.first + self.count / 2
+    }
+
     /// To the first child, or to the second one.
-    fn step(self, second: bool, probability: f32) -> Self {
+    fn step(self, second: bool, fork: Fork) -> Self {
         let half = self.count / 2;
+        let [first_child, second_child] = self.children();
         if second {
             Walk {
-                node: self.node + 2 * half,
+                node: second_child,
                 first: self.first + half,
                 count: self.count - half,
-                pmf: self.pmf * probability,
+                pmf: self.pmf * fork.pmf[1],
+                visibility: fork.visibility[1],
+                asked: fork.asked[1],
             }
         } else {
-            Walk { node: self.node + 1, count: half, pmf: self.pmf * probability, ..self }
+            Walk {
+                node: first_child,
+                first: self.first,
+                count: half,
+                pmf: self.pmf * fork.pmf[0],
+                visibility: fork.visibility[0],
+                asked: fork.asked[0],
+            }
         }
+    }
+}
+
+/// Hands `each` the nodes from the root, without it, to leaf `leaf` of `count`.
+pub fn path(leaf: u32, count: u32, mut each: impl FnMut(u32)) {
+    let mut walk = Walk::start(count, 1.0);
+    while walk.count > 1 {
+        walk = walk
+            .step(walk.is_second(leaf), Fork { pmf: [1.0; 2], visibility: [1.0; 2], asked: [true, true] });
+        each(walk.node);
     }
 }
 
 impl LightTree<'_> {
-    fn root(self) -> Walk {
-        Walk { node: 0, first: 0, count: self.count, pmf: 1.0 }
-    }
-
-    /// Probability of the first child where `walk` stands.
-    fn first_child(self, walk: Walk, receiver: &Receiver) -> f32 {
-        let half = walk.count / 2;
-        let first = self.nodes[(walk.node + 1) as usize].importance(receiver);
-        let second = self.nodes[(walk.node + 2 * half) as usize].importance(receiver);
+    /// Where `walk` stands.
+    ///
+    /// Equation (31).
+    fn fork(self, walk: Walk, receiver: &Receiver, beliefs: &Beliefs<'_>) -> Fork {
+        let [a, b] = walk.children();
+        // Below what nobody has asked for there is nothing to look up.
+        let rays = if walk.asked { [beliefs.rays(a), beliefs.rays(b)] } else { [0, 0] };
+        let prior = walk.visibility;
+        let visibility = [belief::believed(rays[0], prior), belief::believed(rays[1], prior)];
+        let first = self.nodes[a as usize].importance(receiver) * belief::weight(visibility[0]);
+        let second = self.nodes[b as usize].importance(receiver) * belief::weight(visibility[1]);
         // Dark lights are all alike.
-        if first + second > 0.0 { first / (first + second) } else { 0.5 }
+        let pmf = if first + second > 0.0 { first / (first + second) } else { 0.5 };
+        Fork { pmf: [pmf, 1.0 - pmf], visibility, asked: [rays[0] > 0xffff, rays[1] > 0xffff] }
     }
 
-    /// Draws a light, and its probability; [`NO_LIGHT`] without lights.
-    pub fn sample(self, receiver: &Receiver, rng: &mut Rng) -> (u32, Pmf) {
+    /// Draws a light for a receiver in a cell that believes `beliefs`, and `all` of all lights; none without lights.
+    pub fn sample(self, receiver: &Receiver, beliefs: &Beliefs<'_>, all: f32, rng: &mut Rng) -> Draw {
         if self.count == 0 {
-            return (NO_LIGHT, Pmf(0.0));
+            return Draw::none();
         }
-        let mut walk = self.root();
+        let mut walk = Walk::start(self.count, all);
         let mut random = UVec4::ZERO;
         let mut level = 0;
         while walk.count > 1 {
             random =
                 if level & 3 == 0 { rng.next_u32x4() } else { UVec4::new(random.y, random.z, random.w, 0) };
-            let first = self.first_child(walk, receiver);
-            let second = unit_f32(random.x) >= first;
-            walk = walk.step(second, if second { 1.0 - first } else { first });
+            let fork = self.fork(walk, receiver, beliefs);
+            walk = walk.step(unit_f32(random.x) >= fork.pmf[0], fork);
             level += 1;
         }
-        (self.lights[walk.first as usize], Pmf(walk.pmf))
+        Draw { light: self.lights[walk.first as usize], pmf: Pmf(walk.pmf), visibility: walk.visibility }
     }
 
-    /// The probability with which [`LightTree::sample`] draws `light`; 0 for light from infinity.
-    pub fn pmf(self, light: u32, receiver: &Receiver) -> Pmf {
+    /// The draw of `light`, as [`LightTree::sample`] makes it; its probability is 0 for light from infinity.
+    pub fn draw(self, light: u32, receiver: &Receiver, beliefs: &Beliefs<'_>, all: f32) -> Draw {
         let leaf = self.leaves[light as usize];
         if leaf == NO_LIGHT {
-            return Pmf(0.0);
+            return Draw { light, pmf: Pmf(0.0), visibility: beliefs.of(belief::far_away(light), all) };
         }
-        let mut walk = self.root();
+        let mut walk = Walk::start(self.count, all);
         while walk.count > 1 {
-            let first = self.first_child(walk, receiver);
-            let second = leaf >= walk.first + walk.count / 2;
-            walk = walk.step(second, if second { 1.0 - first } else { first });
+            walk = walk.step(walk.is_second(leaf), self.fork(walk, receiver, beliefs));
         }
-        Pmf(walk.pmf)
+        Draw { light, pmf: Pmf(walk.pmf), visibility: walk.visibility }
     }
 }
 

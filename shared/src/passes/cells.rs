@@ -3,11 +3,10 @@
 use super::At;
 use crate::alias_table::AliasEntry;
 use crate::cells::list::{LIST, ListEntry};
-use crate::cells::pool::Sources;
 use crate::cells::{self, Cell, belief, cell_of};
 use crate::counters::Counters;
 use crate::light::tile::TileEntry;
-use crate::light::tree::TreeNode;
+use crate::light::tree::{Draw, TreeNode};
 use crate::light::{Light, LightSample};
 use crate::motion::NO_LIGHT;
 use crate::resources::Extent;
@@ -49,8 +48,7 @@ pub fn cells(
     }
     let texel = gbuffer[frame.pixel_index(pixel) as usize];
     let surface = texel.unpack(&frame.camera, pixel, frame.size);
-    let all = belief::place(cells::count(frame.size), place, belief::ALL);
-    let visibility = belief::believed(beliefs[all as usize], 1.0);
+    let visibility = at.beliefs(beliefs, place).of(belief::ALL, 1.0);
     (0, Cell::of(frame, &surface, pixel, sum, visibility))
 }
 
@@ -67,23 +65,20 @@ pub fn pools(
     lists: &[ListEntry],
     beliefs: &[u32],
 ) -> (TileEntry, u32) {
-    let (entry, place) = (at.pixel.x, at.pixel.y);
-    let cell = cells[place as usize];
-    if cell.is_empty() {
+    let (index, pool) = (at.index(Extent::Pools) as u32, cells::pool(at.frame));
+    let (place, entry) = (index / pool, index % pool);
+    if place >= cells::count(at.frame) || cells[place as usize].is_empty() {
         return (TileEntry::default(), 0);
     }
     let table = at.light_table(lights, alias);
     let tree = at.light_tree(tree_nodes, tree_lights, tree_leaves);
-    let sources = Sources { table, tree, lists, place, cell };
+    let sources = at.sources(table, tree, cells, lists, beliefs, place);
     let mut rng = Rng::new(UVec2::new(entry, place), at.frame.index, at.frame.seed, Stream::Pools, 0);
-    let (light, pmf) = sources.draw(entry, &mut rng);
+    let Draw { light, pmf, visibility } = sources.sample(entry, &mut rng);
     if light == NO_LIGHT {
         return (TileEntry::default(), 0);
     }
     let sample = LightSample { light, uv: rng.next_u32x4().x };
-    let cluster = belief::cluster_of(light, tree_leaves[light as usize], tree.count);
-    let of_cluster = belief::place(cells::count(at.frame.size), place, cluster);
-    let believed = belief::believed(beliefs[of_cluster as usize], cell.visibility);
     let source_pdf = pmf.and_on_light(table.lights.pdf_li(light));
-    (TileEntry::new(table, sample, source_pdf).believed(believed), sample.uv)
+    (TileEntry::new(table, sample, source_pdf).believed(belief::weight(visibility)), sample.uv)
 }

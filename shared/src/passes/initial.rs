@@ -5,8 +5,7 @@ use super::{At, Question, Technique, Visibility, Witness, variant};
 use crate::alias_table::AliasEntry;
 use crate::alpha::SURE_HITS_ONLY;
 use crate::cells::list::ListEntry;
-use crate::cells::pool::Sources;
-use crate::cells::{Cell, cell_of};
+use crate::cells::{self as world_cells, Cell, cell_of};
 use crate::environment::EnvironmentTexel;
 use crate::geometry::InstanceGeometry;
 use crate::light::Light;
@@ -40,6 +39,7 @@ pub fn initial(
     tile_points: &[u32],
     cells: &[Cell],
     lists: &[ListEntry],
+    beliefs: &[u32],
     pool_entries: &[TileEntry],
     pool_points: &[u32],
 ) -> StoredReservoir {
@@ -57,10 +57,11 @@ pub fn initial(
     if at.is(variant::CELLS) {
         place = cell_of(at.frame, &surface, at.pixel);
         note.tile(place);
+        let pool_size = world_cells::pool(at.frame);
         let pool = Tiles { entries: pool_entries, points: pool_points };
         for i in 0..techniques.lights {
             let random = rng.next_u32x4();
-            let entry = place_in_pool(place, i, techniques, random.x);
+            let entry = place_in_pool(place, pool_size, i, techniques, random.x);
             let mut drawn = candidate_at_place(&surface, table, techniques, pool, entry, random.y);
             note.draws(Technique::Pool, &mut drawn);
             let stays = fresh.add(drawn);
@@ -100,7 +101,7 @@ pub fn initial(
             note.bsdf_ray(&ray, hit, light);
             let source_pdf = if at.is(variant::CELLS) {
                 let tree = at.light_tree(tree_nodes, tree_lights, tree_leaves);
-                Sources { table, tree, lists, place, cell: cells[place as usize] }.pdf(light)
+                at.sources(table, tree, cells, lists, beliefs, place).pdf(light)
             } else {
                 table.pdf(light)
             };

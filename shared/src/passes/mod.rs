@@ -49,9 +49,10 @@ pub use visibility::{Assumed, Question, Visibility};
 pub use witness::{Silent, Technique, Witness};
 
 use crate::alias_table::AliasEntry;
-use crate::cells::belief::BELIEFS;
-use crate::cells::list::LIST;
-use crate::cells::pool::POOL;
+use crate::cells::Cell;
+use crate::cells::belief::{BELIEFS, Beliefs};
+use crate::cells::list::{LIST, ListEntry};
+use crate::cells::pool::Sources;
 use crate::cells::{self as world_cells, ROW};
 use crate::frame::FrameConstants;
 use crate::interface::PassConstants;
@@ -161,6 +162,26 @@ impl<'a> At<'a> {
         LightTree { nodes, lights, leaves, count: self.frame.tree_lights }
     }
 
+    /// What the cell at `place` believes.
+    pub fn beliefs<'b>(&self, table: &'b [u32], place: u32) -> Beliefs<'b> {
+        Beliefs { table, cells: world_cells::most(self.frame.size), cell: place }
+    }
+
+    /// What lights of the cell at `place` of `cells` are drawn from.
+    pub fn sources<'b>(
+        &self,
+        table: LightTable<'b>,
+        tree: LightTree<'b>,
+        cells: &[Cell],
+        lists: &'b [ListEntry],
+        beliefs: &'b [u32],
+        place: u32,
+    ) -> Sources<'b> {
+        let beliefs = self.beliefs(beliefs, place);
+        let pool = world_cells::pool(self.frame);
+        Sources { table, tree, lists, beliefs, place, cell: cells[place as usize], pool }
+    }
+
     pub fn light_table<'b>(&self, lights: &'b [Light], alias: &'b [AliasEntry]) -> LightTable<'b> {
         LightTable { lights: self.lights(lights), alias }
     }
@@ -171,10 +192,10 @@ pub fn threads(extent: Extent, size: UVec2) -> UVec2 {
     match extent {
         Extent::Scene | Extent::Pixels | Extent::Reservoirs => size,
         Extent::Tiles => UVec2::new(TILE_SIZE, TILES),
-        Extent::Cells => UVec2::new(ROW, world_cells::count(size) / ROW),
-        Extent::Lists => UVec2::new(LIST, world_cells::count(size)),
-        Extent::Beliefs => UVec2::new(BELIEFS, world_cells::count(size)),
-        Extent::Pools => UVec2::new(POOL, world_cells::count(size)),
+        Extent::Cells => UVec2::new(ROW, world_cells::most(size) / ROW),
+        Extent::Lists => UVec2::new(LIST, world_cells::most(size)),
+        Extent::Beliefs => UVec2::new(BELIEFS, world_cells::most(size)),
+        Extent::Pools => world_cells::samples(size),
         Extent::Blocks => UVec2::new(size.x.div_ceil(BLOCK), size.y.div_ceil(BLOCK)),
     }
 }

@@ -4,8 +4,9 @@ use super::At;
 use crate::cells::list::{self, LIST};
 use crate::cells::{self, belief, cell_of};
 use crate::counters::Counters;
-use crate::light::Light;
+use crate::light::{Light, tree};
 use crate::math::safe_ratio;
+use crate::motion::NO_LIGHT;
 use crate::reservoir::StoredReservoir;
 use crate::resources::Extent;
 use crate::surface::GBufferTexel;
@@ -48,10 +49,18 @@ pub fn observe(
     }
     let cell = cell_of(at.frame, &surface, at.pixel);
     let seen = stored.contribution_weight > 0.0;
-    let cluster = belief::cluster_of(light, tree_leaves[light as usize], at.frame.tree_lights);
-    let cells = cells::count(at.frame.size);
-    observations.add(belief::place(cells, cell, cluster), belief::observation(seen));
-    observations.add(belief::place(cells, cell, belief::ALL), belief::observation(seen));
+    let ray = belief::observation(seen);
+    let cells = cells::most(at.frame.size);
+    let mut count = |node| {
+        observations.add(belief::place(cells, cell, node), ray);
+    };
+    count(belief::ALL);
+    let leaf = tree_leaves[light as usize];
+    if leaf == NO_LIGHT {
+        count(belief::far_away(light));
+    } else {
+        tree::path(leaf, at.frame.tree_lights, count);
+    }
     if seen {
         // p̂ is per m² (or sr) of lights with extent: all of the light counts.
         let measure = safe_ratio(1.0, table.pdf_li(light).0);

@@ -37,7 +37,7 @@ macro_rules! passes {
                 [lights alias tree_nodes tree_lights tree_leaves cells lists beliefs] [] [pool_entries pool_points])
             (initial Reservoirs { traced(shadow nearest) initial }
                 [lights alias tree_nodes tree_lights tree_leaves instances environment gbuffer tile_entries tile_points
-                cells lists pool_entries pool_points] [] [merged])
+                cells lists beliefs pool_entries pool_points] [] [merged])
             (observe Pixels { compute() observe }
                 [lights tree_leaves gbuffer merged] [] [] [observations findings])
             (temporal Reservoirs { known() temporal, traced(shadow previous) temporal_traced }

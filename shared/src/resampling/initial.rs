@@ -6,7 +6,6 @@
 
 use super::Survivor;
 use crate::bsdf;
-use crate::cells::pool::POOL;
 use crate::frame::Settings;
 use crate::light::tile::{TILE_SIZE, TileEntry, Tiles};
 use crate::light::{Incident, LightSample, LightTable};
@@ -146,10 +145,10 @@ pub fn place_in_tile(tile: u32, random: u32) -> u32 {
     tile * TILE_SIZE + (random & (TILE_SIZE - 1))
 }
 
-/// Place of the entry for candidate `i` from the pool of cell `cell`: each has a part of the pool, in which `random` draws.
-pub fn place_in_pool(cell: u32, i: u32, techniques: Techniques, random: u32) -> u32 {
-    let within = (i * POOL + (random & (POOL - 1))) / techniques.lights;
-    cell * POOL + (within & (POOL - 1))
+/// Place of the entry for candidate `i` from the pool, of `pool` samples, of cell `cell`: each has a part of the pool, in which `random` draws.
+pub fn place_in_pool(cell: u32, pool: u32, i: u32, techniques: Techniques, random: u32) -> u32 {
+    let within = (i * pool + (random & (pool - 1))) / techniques.lights;
+    cell * pool + (within & (pool - 1))
 }
 
 /// The candidate at `place` of all tiles or pools; its target is what is believed to arrive. `random` decides over its survival.

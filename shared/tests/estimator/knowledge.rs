@@ -4,13 +4,13 @@ use crate::passes::Frame;
 use crate::plant::Plant;
 use shared::cells::belief::{self, BELIEFS};
 use shared::cells::list::{self, LIST, ListEntry};
-use shared::cells::pool::{POOL, Sources};
 use shared::cells::{self, Cell, cell_of};
 use shared::counters::Counters;
 use shared::glam::{UVec2, UVec4};
 use shared::light::Light;
 use shared::light::tile::TileEntry;
 use shared::light::tree::{self, Tree};
+use shared::motion::NO_LIGHT;
 use shared::passes;
 use shared::reservoir::StoredReservoir;
 use shared::resources::{Buffers, Extent};
@@ -41,7 +41,8 @@ struct Tables {
 
 impl Tables {
     fn zeroed(size: UVec2) -> Self {
-        let count = cells::count(size);
+        let count = cells::most(size);
+        let samples = cells::samples(size).element_product() as usize;
         Tables {
             marks: vec![0; count as usize],
             cells: vec![Cell::default(); count as usize],
@@ -49,8 +50,8 @@ impl Tables {
             observations: vec![0; (count * BELIEFS) as usize],
             lists: vec![ListEntry::default(); (count * LIST) as usize],
             findings: vec![0; (count * LIST) as usize],
-            pool_entries: vec![TileEntry::default(); (count * POOL) as usize],
-            pool_points: vec![0; (count * POOL) as usize],
+            pool_entries: vec![TileEntry::default(); samples],
+            pool_points: vec![0; samples],
         }
     }
 }
@@ -76,8 +77,8 @@ impl Knowledge {
 
     /// With what `initial` reads.
     pub fn buffers<'a>(&'a self, buffers: Buffers<'a>) -> Buffers<'a> {
-        let Tables { cells, lists, pool_entries, pool_points, .. } = &self.tables;
-        Buffers { cells, lists, pool_entries, pool_points, ..buffers }
+        let Tables { cells, lists, beliefs, pool_entries, pool_points, .. } = &self.tables;
+        Buffers { cells, lists, beliefs, pool_entries, pool_points, ..buffers }
     }
 
     /// Learns from the frame before, and draws the pools of this one.
@@ -98,6 +99,7 @@ impl Knowledge {
         let stale = if frame.is(Plant::StaleBound) { stale_tree(b.lights) } else { Tree::default() };
         let before = if frame.is(Plant::TableWritten) { lists.clone() } else { Vec::new() };
         let row = passes::threads(Extent::Cells, UVec2::ONE).x;
+        let (pool, columns) = (cells::pool(frame.constants), cells::samples(frame.constants.size).x);
         for place in places {
             if frame.is(Plant::TableWritten) {
                 exchange_weights(&mut lists[list_of(place)]);
@@ -105,8 +107,9 @@ impl Knowledge {
             let at = frame.at(UVec2::new(place % row, place / row), 0, 0);
             let mark = std::mem::take(&mut marks[place as usize]);
             cells[place as usize] = passes::cells(at, b.gbuffer, lists, beliefs, mark).1;
-            for entry in 0..POOL {
-                let at = frame.at(UVec2::new(entry, place), 0, 0);
+            for entry in 0..pool {
+                let i = place * pool + entry;
+                let at = frame.at(UVec2::new(i % columns, i / columns), 0, 0);
                 let nodes = if frame.is(Plant::StaleBound) { &stale.nodes } else { b.tree_nodes };
                 let (mut drawn, point) = passes::pools(
                     at,
@@ -122,18 +125,16 @@ impl Knowledge {
                 let light = drawn.light();
                 // Word 6 of an entry is its density.
                 let words: &mut [f32; 8] = bytemuck::cast_mut(&mut drawn);
-                if frame.is(Plant::ListShare) && entry < POOL / 4 {
+                if frame.is(Plant::ListShare) && entry < pool / 4 {
                     words[6] *= 0.5;
                 }
                 if (frame.is(Plant::StaleBound) || frame.is(Plant::TableWritten)) && words[6] > 0.0 {
                     let lists = if frame.is(Plant::TableWritten) { &before } else { &*lists };
                     let table = at.light_table(b.lights, b.alias);
                     let tree = at.light_tree(b.tree_nodes, b.tree_lights, b.tree_leaves);
-                    let cell = cells[place as usize];
-                    words[6] = Sources { table, tree, lists, place, cell }.pdf(light).0;
+                    words[6] = at.sources(table, tree, cells, lists, beliefs, place).pdf(light).0;
                 }
-                let i = at.index(Extent::Pools);
-                (pool_entries[i], pool_points[i]) = (drawn, point);
+                (pool_entries[i as usize], pool_points[i as usize]) = (drawn, point);
             }
         }
     }
@@ -165,11 +166,13 @@ impl Knowledge {
                     let weight = (unit_f32(random.w) * 8.0 - 4.0).exp2();
                     (asked, (unit_f32(random.y) * asked as f32) as u32, if listed { weight } else { 0.0 })
                 };
-                let leaf = b.tree_leaves[light as usize];
-                let cluster = belief::cluster_of(light, leaf, frame.constants.tree_lights);
-                let i = belief::place(cells::count(frame.constants.size), cell, cluster) as usize;
-                self.beliefs.insert(i);
-                self.tables.beliefs[i] = asked << 16 | seen;
+                let beliefs = &mut self.tables.beliefs;
+                each_node(frame, light, |node| {
+                    let place = belief::place(cells::most(frame.constants.size), cell, node) as usize;
+                    self.beliefs.insert(place);
+                    // What is above it has its last light's.
+                    beliefs[place] = asked << 16 | seen;
+                });
                 let entry = &mut self.tables.lists[(cell * LIST + list::place(light)) as usize];
                 if weight > 0.0 || entry.light == light {
                     *entry = ListEntry { light, weight };
@@ -187,14 +190,23 @@ impl Knowledge {
             let (observations, findings) = (Counters::new(observations), Counters::new(findings));
             passes::observe(at, b.lights, b.tree_leaves, b.gbuffer, fresh, observations, findings);
             let light = fresh[at.index(Extent::Pixels)].sample.light;
-            if let Some(&leaf) = b.tree_leaves.get(light as usize) {
+            if light < b.lights.len() as u32 {
                 let cell = cell_of(at.frame, &at.surface(&at.texel(b.gbuffer)), pixel);
-                for cluster in [belief::cluster_of(light, leaf, at.frame.tree_lights), belief::ALL] {
-                    self.beliefs
-                        .insert(belief::place(cells::count(frame.constants.size), cell, cluster) as usize);
-                }
+                each_node(frame, light, |node| {
+                    let place = belief::place(cells::most(frame.constants.size), cell, node);
+                    self.beliefs.insert(place as usize);
+                });
             }
         }
+    }
+}
+
+/// All that beliefs about `light` are counted for.
+fn each_node(frame: &Frame<'_>, light: u32, mut each: impl FnMut(u32)) {
+    each(belief::ALL);
+    match frame.buffers.tree_leaves[light as usize] {
+        NO_LIGHT => each(belief::far_away(light)),
+        leaf => tree::path(leaf, frame.constants.tree_lights, each),
     }
 }
 

@@ -232,6 +232,7 @@ impl Frame<'_> {
                 &points,
                 b.cells,
                 b.lists,
+                b.beliefs,
                 b.pool_entries,
                 b.pool_points,
             );

@@ -121,7 +121,7 @@ pub fn measure(
     truth: Option<&Truth>,
     mut tick: impl FnMut(),
 ) -> Result<Measurement> {
-    let lights = renderer.scene().light_count();
+    let lights = renderer.scene().lights();
     let work = Work::Restir(settings.settings(lights));
     let mut run = Run { renderer, camera, work, primary: settings.primary, clock: Clock::Gpu };
     let mut point = Measurement { settings: settings.clone(), ..Measurement::default() };

@@ -172,7 +172,7 @@ impl Frames {
 
     /// `file` for this scene.
     fn settings(&self, file: &Knobs) -> Settings {
-        file.settings(self.light_count())
+        file.settings(self.recorder.scene().lights())
     }
 
     /// A frame of `file` for this scene. One seed: frames differ by their index.

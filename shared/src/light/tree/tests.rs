@@ -42,6 +42,20 @@ fn receiver(rng: &mut Rng) -> Receiver {
     Receiver { center: in_cube(rng, 60.0), radius, normal: direction(rng) }
 }
 
+/// Rays of every node, by chance, of which a part arrived.
+fn beliefs(seed: u32) -> Vec<u32> {
+    let ray = |i: u32| {
+        let random = rng(seed ^ i).next_u32x4();
+        let asked = random.x >> 20;
+        asked << 16 | (unit_f32(random.y) * asked as f32) as u32
+    };
+    (0..1 << 12).map(ray).collect()
+}
+
+fn of_cell(table: &[u32]) -> Beliefs<'_> {
+    Beliefs { table, cells: table.len() as u32 / belief::BELIEFS, cell: 3 }
+}
+
 /// For any receiver, and any number of lights, what is told of all lights together is 1, and of each what it is drawn with: the
 /// sum in f64 within 1e-5.
 #[test]
@@ -50,9 +64,10 @@ fn probabilities_add_up_to_one() {
     for count in (1..40).chain([100, 1000, 3333]) {
         let lights = lights(count, count as u32);
         let tree = build(&lights);
+        let known = beliefs(count as u32);
         for _ in 0..20 {
             let receiver = receiver(&mut rng);
-            let pmf = |light| f64::from(tree.view().pmf(light, &receiver).0);
+            let pmf = |light| f64::from(tree.view().draw(light, &receiver, &of_cell(&known), 0.4).pmf.0);
             let sum: f64 = (0..count as u32).map(pmf).sum();
             let somewhere = !tree.lights.is_empty();
             assert!((sum - if somewhere { 1.0 } else { 0.0 }).abs() < 1e-5, "{count} lights: {sum}");
@@ -67,18 +82,20 @@ fn draws_follow_their_probabilities() {
     const N: usize = 40_000;
     let lights: Vec<Light> = (0..24).map(|i| Light::point(in_cube(&mut rng(i), 20.0), Vec3::ONE)).collect();
     let tree = build(&lights);
+    let known = beliefs(1);
+    let draw = |light, receiver: &Receiver| tree.view().draw(light, receiver, &of_cell(&known), 0.4);
     let mut rng = rng(99);
     for _ in 0..6 {
         let [receiver, other] = [receiver(&mut rng), receiver(&mut rng)];
         let mut counts = [0u32; 24];
         for _ in 0..N {
-            let (light, pmf) = tree.view().sample(&receiver, &mut rng);
-            assert_eq!(pmf, tree.view().pmf(light, &receiver));
-            counts[light as usize] += 1;
+            let drawn = tree.view().sample(&receiver, &of_cell(&known), 0.4, &mut rng);
+            assert_eq!(drawn, draw(drawn.light, &receiver));
+            counts[drawn.light as usize] += 1;
         }
         let chi2 = |receiver: &Receiver| -> f64 {
             let term = |(light, &count): (u32, &u32)| {
-                let expected = f64::from(tree.view().pmf(light, receiver).0) * N as f64;
+                let expected = f64::from(draw(light, receiver).pmf.0) * N as f64;
                 (f64::from(count) - expected).powi(2) / expected
             };
             (0..).zip(&counts).map(term).sum()
@@ -154,7 +171,38 @@ fn what_matters_is_drawn_more_often() {
     ];
     let tree = build(&lights);
     let receiver = Receiver { center: Vec3::ZERO, radius: 0.1, normal: Vec3::Y };
-    let pmf = |i| tree.view().pmf(i, &receiver).0;
+    let nothing = [0; belief::BELIEFS as usize];
+    let pmf = |i| tree.view().draw(i, &receiver, &of_cell(&nothing), 1.0).pmf.0;
     assert!(pmf(0) > 1000.0 * pmf(1), "{} and {}", pmf(0), pmf(1));
     assert!(pmf(2) > 10.0 * pmf(3), "{} and {}", pmf(2), pmf(3));
+}
+
+/// What is believed of a node counts for all lights below it, and its own rays for a light more than its parents'.
+#[test]
+fn hidden_branches_are_drawn_rarely() {
+    let lamps = |x: f32| (0..8).map(move |i| Light::point(Vec3::new(x, 5.0, i as f32), Vec3::ONE));
+    let lights: Vec<Light> = lamps(-20.0).chain(lamps(20.0)).collect();
+    let tree = build(&lights);
+    let receiver = Receiver { center: Vec3::ZERO, radius: 0.5, normal: Vec3::Y };
+    let mut table = vec![0; 1 << 12];
+    let chance = |table: &[u32], light| {
+        let Draw { pmf, visibility, .. } = tree.view().draw(light, &receiver, &of_cell(table), 1.0);
+        (pmf.0, visibility)
+    };
+    let before = chance(&table, 3);
+    // Every ray to the first eight lights but one was asked for, and none arrived.
+    let observe = |table: &mut [u32], light: u32, seen| {
+        path(tree.leaves[light as usize], 16, |node| {
+            let place = belief::place(16, 3, node) as usize;
+            table[place] = belief::learned(table[place], belief::observation(seen) * 40);
+        });
+    };
+    (0..8).filter(|&light| light != 3).for_each(|light| observe(&mut table, light, false));
+    let unknown = chance(&table, 3);
+    assert!(unknown.0 < 0.3 * before.0 && unknown.1 < 0.2, "{unknown:?} after {before:?}");
+    observe(&mut table, 3, true);
+    let seen = chance(&table, 3);
+    let hidden = chance(&table, 2);
+    assert!(seen.1 > 0.9 && hidden.1 < 0.1, "{seen:?}, {hidden:?}");
+    assert!(seen.0 > 5.0 * hidden.0, "{seen:?}, {hidden:?}");
 }
