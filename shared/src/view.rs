@@ -29,6 +29,10 @@ pub mod kind {
     pub const VISIBILITY: u32 = 12;
     pub const FEATURES: u32 = 13;
     pub const DIFFERENCE: u32 = 14;
+    /// The light cell that the pixel asked in this frame.
+    pub const CELL: u32 = 15;
+    /// How much of the light of the pixel's sample that cell believes to arrive.
+    pub const BELIEVED: u32 = 16;
 }
 
 /// Colors of [`kind::VISIBILITY`]: the pixel's light reaches it, is hidden, or there is none.
@@ -50,6 +54,9 @@ pub struct Pixel {
     pub reservoir: StoredReservoir,
     /// What the survivor would contribute unhidden, nit.
     pub unshadowed: Vec3,
+    /// The place of its light cell; and the fraction of its light that this believes to arrive. 0 without cells.
+    pub cell: u32,
+    pub believed: f32,
     /// Of the frame, nit; the mean over frames; and of the reference.
     pub radiance: Vec3,
     pub mean: Vec3,
@@ -63,6 +70,8 @@ impl Pixel {
             texel,
             reservoir: StoredReservoir::default(),
             unshadowed: Vec3::ZERO,
+            cell: 0,
+            believed: 0.0,
             radiance,
             mean: radiance,
             reference: Vec3::ZERO,
@@ -95,6 +104,9 @@ pub fn color(view: u32, scale: f32, frame: &FrameConstants, pixel: &Pixel) -> Ve
         kind::INSTANCE => id_color(texel.instance),
         kind::CONFIDENCE => heat(place((1.0 + reservoir.confidence).log2(), CONFIDENCE_RANGE)),
         kind::VISIBILITY => visibility_color(has_light, pixel),
+        kind::CELL if frame.settings.cells == 0 => Vec3::ZERO,
+        kind::CELL => id_color(pixel.cell),
+        kind::BELIEVED => heat(pixel.believed),
         _ if !has_light => Vec3::ZERO,
         kind::LIGHT => id_color(reservoir.sample.light),
         _ => heat(place(reservoir.contribution_weight.log2(), WEIGHT_RANGE)),

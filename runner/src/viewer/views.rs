@@ -21,6 +21,8 @@ pub enum View {
     Weight,
     Confidence,
     Visibility,
+    Cell,
+    Believed,
 }
 
 impl View {
@@ -40,6 +42,8 @@ impl View {
         View::Weight,
         View::Confidence,
         View::Visibility,
+        View::Cell,
+        View::Believed,
     ];
 
     pub fn name(self) -> &'static str {
@@ -59,6 +63,8 @@ impl View {
             View::Weight => "Reservoir: W",
             View::Confidence => "Reservoir: M",
             View::Visibility => "Visibility",
+            View::Cell => "Light cells",
+            View::Believed => "Believed visibility",
         }
     }
 
@@ -76,6 +82,8 @@ impl View {
             View::Light => "a color each; black: none",
             View::Weight => "2^-20 to 2^20; black: no light",
             View::Confidence => "1 to 65,536 candidates",
+            View::Cell => "a color each; a pixel may ask its cell's neighbor; black without cells",
+            View::Believed => "0 to 1: how much of its sample's light the pixel's cell believes to arrive",
             View::Visibility => "pale: lit by its sample; red: hidden; blue: no sample",
         }
     }
@@ -97,6 +105,8 @@ impl View {
             View::Weight => Some(kind::CONTRIBUTION_WEIGHT),
             View::Confidence => Some(kind::CONFIDENCE),
             View::Visibility => Some(kind::VISIBILITY),
+            View::Cell => Some(kind::CELL),
+            View::Believed => Some(kind::BELIEVED),
         }
     }
 

@@ -2,6 +2,8 @@
 //! little is known is believed of as its parent is, so few rays teach a cell that a whole street is hidden, and many that one of its
 //! lamps is not.
 
+use crate::light::tree;
+use crate::motion::NO_LIGHT;
 use crate::rng::hash;
 use glam::UVec4;
 
@@ -77,6 +79,16 @@ impl Beliefs<'_> {
     /// The rays to `node`, for [`believed`].
     pub fn rays(&self, node: u32) -> u32 {
         self.table[place(self.cells, self.cell, node) as usize]
+    }
+
+    /// Of `light` at `leaf` of a tree of `count`, or in none ([`NO_LIGHT`]), where `all` is believed of all lights.
+    pub fn of_light(&self, light: u32, leaf: u32, count: u32, all: f32) -> f32 {
+        if leaf == NO_LIGHT {
+            return self.of(far_away(light), all);
+        }
+        let mut fraction = all;
+        tree::path(leaf, count, |node| fraction = self.of(node, fraction));
+        fraction
     }
 
     /// Of `node`, see [`believed`].

@@ -63,7 +63,7 @@ macro_rules! passes {
             (accumulate Pixels { compute() accumulate }
                 [radiance] [mean] [])
             (view Pixels { compute() view }
-                [instances materials lights gbuffer reservoirs radiance mean reference] [] [display])
+                [instances materials lights tree_leaves cells beliefs gbuffer reservoirs radiance mean reference] [] [display])
             (statistics Blocks { compute() statistics }
                 [radiance mean reference] [] [statistics])
             (roofline_primary Pixels { primary() roofline_primary }

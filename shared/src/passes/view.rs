@@ -1,6 +1,7 @@
 //! One of the viewer's views in place of the tone-mapped picture.
 
 use super::At;
+use crate::cells::{Cell, cell_of};
 use crate::geometry::InstanceGeometry;
 use crate::light::Light;
 use crate::material::Material;
@@ -18,6 +19,9 @@ pub fn view(
     instances: &[InstanceGeometry],
     materials: &[Material],
     lights: &[Light],
+    tree_leaves: &[u32],
+    cells: &[Cell],
+    beliefs: &[u32],
     gbuffer: &[GBufferTexel],
     reservoirs: &[StoredReservoir],
     radiance: &[Vec3],
@@ -42,6 +46,16 @@ pub fn view(
         let surface = at.surface(&texel);
         let incident = at.lights(lights).incident(shown.reservoir.sample, surface.position);
         shown.unshadowed = unshadowed::<Vec3>(&surface, &incident) * shown.reservoir.contribution_weight;
+    }
+    if at.frame.settings.cells != 0 && !texel.is_empty() {
+        let cell = cell_of(at.frame, &at.surface(&texel), at.pixel);
+        shown.cell = cell;
+        let light = shown.reservoir.sample.light;
+        if shown_kind == kind::BELIEVED && light < at.lights(lights).count() {
+            let believed = at.beliefs(beliefs, cell);
+            let all = cells[cell as usize].visibility;
+            shown.believed = believed.of_light(light, tree_leaves[light as usize], at.frame.tree_lights, all);
+        }
     }
     let color = if shown_kind == kind::FEATURES && !texel.is_empty() {
         features_color(&materials[instances[texel.instance as usize].material as usize])

@@ -70,7 +70,7 @@ fn legend(ui: &mut Ui, shown: View) {
     }
     let color: Option<fn(f32) -> glam::Vec3> = match shown {
         View::Difference => Some(|t| view::diverging(2.0 * t - 1.0)),
-        View::Weight | View::Confidence => Some(view::heat),
+        View::Weight | View::Confidence | View::Believed => Some(view::heat),
         _ => None,
     };
     if let Some(color) = color {
