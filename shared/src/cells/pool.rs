@@ -148,7 +148,7 @@ mod tests {
         let place = 77;
         let mut lists = vec![ListEntry::default(); (100 * LIST) as usize];
         // Some rays to every node, of which a part arrived.
-        let known: Vec<u32> = (0..belief::BELIEFS).map(|i| (i % 50) << 16 | i % 50 * (i % 7) / 7).collect();
+        let known: Vec<u32> = (0..belief::BELIEFS).map(|i| ((i % 50) << 16) + i % 50 * (i % 7) / 7).collect();
         const POOL: u32 = 128;
         for listed in [0, 1, 17] {
             for light in (0..listed).map(|i| i * 31 % 33) {
