@@ -239,7 +239,8 @@ fn assert_telling(explanations: &[Explanation]) {
     let passes = || explanations.iter().flat_map(|e| &e.passes);
     assert!(passes().any(|pass| pass.candidates.iter().any(|c| c.chosen)));
     assert!(
-        passes().any(|pass| pass.others.iter().any(|other| other.doubt.is_some_and(|doubt| doubt > 0.0)))
+        passes()
+            .any(|pass| pass.others.iter().any(|other| other.pending.is_some_and(|pending| pending > 0.0)))
     );
     let merged = |pass: &PassReport| {
         pass.canonical.iter().chain(pass.others.iter().filter_map(|o| o.merged.as_ref())).cloned().collect()

@@ -26,11 +26,7 @@ use spirv_std::spirv;
 /// The functions that entry points of the same names run.
 mod body {
     pub use crate::primary::{gbuffer, gbuffer_raster, roofline_primary};
-    pub use shared::passes::{
-        accumulate, cells, initial, learn_beliefs, learn_lists, mark_cells, observe, pair_merge,
-        pair_targets, pools, presample, reference, reference_parts, resolve, roofline_copy, roofline_shadow,
-        shade, shade_parts, spatial, statistics, temporal, tonemap, view,
-    };
+    pub use shared::passes::*;
 }
 
 /// Defines `entry!`, which adds the parameters of one binding after the other to an entry point, and then writes it.

@@ -263,9 +263,9 @@ impl<'a> Heard<'a> {
         Merged { reservoir, target, mis_weight, weight, chosen: survives }
     }
 
-    pub fn doubt(&mut self, doubt: f32, asked: bool) {
+    pub fn pending(&mut self, pending: f32, asked: bool) {
         if let Some(neighbor) = self.report.others.last_mut() {
-            (neighbor.doubt, neighbor.asked) = (Some(doubt), asked);
+            (neighbor.pending, neighbor.asked) = (Some(pending), asked);
         }
     }
 

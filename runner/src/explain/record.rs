@@ -134,7 +134,7 @@ pub struct Neighbor {
     /// p̂ of the canonical survivor at its pixel; unbiased mode.
     pub canonical_there: Option<f32>,
     /// What the canonical MIS weight gains should that pixel not see the canonical survivor; unbiased spatial reuse.
-    pub doubt: Option<f32>,
+    pub pending: Option<f32>,
     /// It was drawn to answer for all; a later one may be drawn in its place.
     pub asked: bool,
 }

@@ -208,5 +208,5 @@ hears! {
     cross(cross: &mut CrossProposal)
     merged(reservoir: StoredReservoir, target: f32, weighed: Weighed)
     merged_canonical(reservoir: StoredReservoir, target: f32, weighed: Weighed)
-    doubt(doubt: f32, asked: bool)
+    pending(pending: f32, asked: bool)
 }

@@ -157,7 +157,7 @@ impl Display for PassReport {
             writeln!(
                 f,
                 "    {:>10} {:>8} {:>12} {:>6} {:>12} {:>12} {:>12} {:>12} {:>12} {:>10}",
-                "pixel", "light", "W", "M", "p̂", "p̂_i(y_i)", "p̂_i(y_0)", "m", "w", "doubt"
+                "pixel", "light", "W", "M", "p̂", "p̂_i(y_i)", "p̂_i(y_0)", "m", "w", "pending"
             )?;
             write_merged(f, "(own)", &line)?;
         }
@@ -179,10 +179,10 @@ fn write_merged(f: &mut Formatter<'_>, pixel: &str, line: &Neighbor) -> Result {
     let Some(merged) = &line.merged else { return Ok(()) };
     let or_none = |x: Option<f32>| x.map_or(String::new(), number);
     let light = merged.reservoir.light.map_or("none".into(), |light| light.to_string());
-    let doubt = or_none(line.doubt) + if line.asked { " ?" } else { "" };
+    let pending = or_none(line.pending) + if line.asked { " ?" } else { "" };
     writeln!(
         f,
-        "  {} {pixel:>10} {light:>8} {:>12} {:>6} {:>12} {:>12} {:>12} {:>12} {:>12} {doubt:>10}",
+        "  {} {pixel:>10} {light:>8} {:>12} {:>6} {:>12} {:>12} {:>12} {:>12} {:>12} {pending:>10}",
         mark(merged.chosen),
         number(merged.reservoir.contribution_weight),
         merged.reservoir.confidence,

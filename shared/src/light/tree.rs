@@ -41,7 +41,7 @@ pub struct Receiver {
 }
 
 /// What is left of a light that most likely doesn't reach the receiver: all bounds are guesses for the whole of it.
-const DOUBT: f32 = 0.05;
+const UNLIKELY: f32 = 0.05;
 
 impl TreeNode {
     /// Of its cone.
@@ -62,10 +62,10 @@ impl TreeNode {
             let angle = (-self.axis().dot(to) / distance).clamp(-1.0, 1.0).acos();
             let widest = (self.cone >> 16) as f32 * (core::f32::consts::PI / 65535.0) + uncertain;
             if angle > widest {
-                importance *= DOUBT;
+                importance *= UNLIKELY;
             }
             if receiver.normal.dot(to) < -half {
-                importance *= DOUBT;
+                importance *= UNLIKELY;
             }
         }
         importance

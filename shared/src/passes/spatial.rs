@@ -5,7 +5,7 @@ use super::{At, Question, Visibility, Witness, variant};
 use crate::alias_table::AliasEntry;
 use crate::alpha::SURE_HITS_ONLY;
 use crate::light::Light;
-use crate::resampling::spatial::{DoubtedMerge, confidence_of_neighbors, next_neighbor};
+use crate::resampling::spatial::{OneRayMerge, confidence_of_neighbors, next_neighbor};
 use crate::resampling::{CrossProposal, Pixels, Survivor, UniformMerge, reservoir_index, target_of};
 use crate::reservoir::StoredReservoir;
 use crate::rng::Stream;
@@ -48,7 +48,7 @@ pub fn spatial<V: Visibility>(
         return merge.finish();
     }
     let others = confidence_of_neighbors(frame, &surface, pixels, pixel, at.lane, rng);
-    let mut merge = DoubtedMerge::new(settings, canonical, target, others);
+    let mut merge = OneRayMerge::new(settings, canonical, target, others);
     for _ in 0..settings.neighbors {
         let (place, [u, v]) = next_neighbor(frame, &surface, gbuffer, pixel, &mut rng, &mut note);
         if let Some(place) = place {
@@ -59,7 +59,7 @@ pub fn spatial<V: Visibility>(
             note.cross(&mut cross);
             let added = merge.add(cross, u, v);
             note.merged(neighbor, cross.targets.neighbor_at_canonical, added.weighed);
-            note.doubt(added.doubt, added.asked);
+            note.pending(added.pending, added.asked);
         }
     }
     let asks = settings.visibility_is_known();

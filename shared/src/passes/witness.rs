@@ -43,7 +43,7 @@ pub trait Witness {
     /// The same of the pixel's own.
     fn merged_canonical(&mut self, _reservoir: StoredReservoir, _target: f32, _weighed: Weighed) {}
     /// What the canonical MIS weight gains if the last neighbor does not see the canonical sample, and whether it answers for all.
-    fn doubt(&mut self, _doubt: f32, _asked: bool) {}
+    fn pending(&mut self, _pending: f32, _asked: bool) {}
     /// What a reservoir contributes if its sample is visible.
     fn shaded<L: Reflected>(&mut self, _reservoir: StoredReservoir, _shaded: &mut Contribution<L>) {}
     /// Whether it was.

@@ -95,7 +95,7 @@ impl Pairwise {
     /// p̂_i(y_0) = `canonical_at_neighbor` > 0, does not see it.
     ///
     /// Equation (25).
-    pub fn doubt(&self, confidence: f32, canonical_at_neighbor: f32) -> f32 {
+    pub fn pending(&self, confidence: f32, canonical_at_neighbor: f32) -> f32 {
         let there = self.others * canonical_at_neighbor;
         let here = self.canonical.confidence * self.canonical_target;
         safe_ratio(self.trust * confidence, self.total) * safe_ratio(there, there + here)
@@ -104,8 +104,8 @@ impl Pairwise {
     /// Adds such a gain.
     ///
     /// Equation (26).
-    pub fn resolve(&mut self, doubt: f32) {
-        self.canonical_mis += doubt;
+    pub fn resolve(&mut self, pending: f32) {
+        self.canonical_mis += pending;
     }
 
     /// Adds the canonical survivor, whose weight is known only now. `u` in [0, 1).
@@ -168,22 +168,22 @@ mod tests {
         }
     }
 
-    /// A doubt resolved is a target that was 0 from the start.
+    /// A pending weight resolved is a target that was 0 from the start.
     #[test]
-    fn resolved_doubts_are_zero_targets() {
+    fn resolved_weights_are_zero_targets() {
         let begin = || Pairwise::new(stored(0, 1.0, 3.0), 2.0, 9.0, 0.5);
         let cross = |canonical_at_neighbor| CrossTargets {
             neighbor_at_canonical: 0.7,
             neighbor_at_neighbor: 1.3,
             canonical_at_neighbor,
         };
-        let (mut doubted, mut exact) = (begin(), begin());
-        doubted.add(stored(1, 0.5, 9.0), cross(5.0), 0.5);
-        let doubt = doubted.doubt(9.0, 5.0);
-        assert!(doubt > 0.1);
-        doubted.resolve(doubt);
+        let (mut pending_merge, mut exact) = (begin(), begin());
+        pending_merge.add(stored(1, 0.5, 9.0), cross(5.0), 0.5);
+        let pending = pending_merge.pending(9.0, 5.0);
+        assert!(pending > 0.1);
+        pending_merge.resolve(pending);
         exact.add(stored(1, 0.5, 9.0), cross(0.0), 0.5);
-        let (a, b) = (finished(doubted, 0.5), finished(exact, 0.5));
+        let (a, b) = (finished(pending_merge, 0.5), finished(exact, 0.5));
         assert!((a.contribution_weight - b.contribution_weight).abs() < 1e-6, "{a:?} {b:?}");
     }
 

@@ -48,23 +48,23 @@ pub fn next_neighbor(
 
 /// Neighbors merged, but for one question: does the neighbor that `ray` leaves from see the canonical sample?
 ///
-/// Which neighbors see the canonical sample matters to its weight alone, m_0 = known + Σ_i doubt_i (1 - V_i). One ray estimates the
-/// sum: a neighbor drawn in proportion to its doubt answers for all. That keeps the mean, as the merged estimate is linear in
+/// Which neighbors see the canonical sample matters to its weight alone, m_0 = known + Σ_i pending_i (1 - V_i). One ray estimates the
+/// sum: a neighbor drawn in proportion to its pending weight answers for all. That keeps the mean, as the merged estimate is linear in
 /// m_0, and m_0 stays within [0, 1].
 #[derive(Clone, Copy, Debug)]
-pub struct DoubtedMerge {
+pub struct OneRayMerge {
     merge: Pairwise,
     /// Σ of what the canonical weight gains by each neighbor that does not see its sample.
-    pub doubt: f32,
+    pub pending: f32,
     /// From the neighbor that answers for all.
     pub ray: ShadowRay,
 }
 
-impl DoubtedMerge {
+impl OneRayMerge {
     /// Of one reservoir with `target` p̂_0(y_0), before its neighbors are added. `others`: their confidences.
     pub fn new(settings: &Settings, canonical: StoredReservoir, target: f32, others: f32) -> Self {
         let merge = Pairwise::new(canonical, target, others, settings.neighbor_trust());
-        DoubtedMerge { merge, doubt: 0.0, ray: ShadowRay::default() }
+        OneRayMerge { merge, pending: 0.0, ray: ShadowRay::default() }
     }
 
     /// Adds a neighbor. `u` in [0, 1) decides over its survival, `v` in [0, 1) whether it answers for all so far.
@@ -73,27 +73,27 @@ impl DoubtedMerge {
         // Who holds the same sample has seen it.
         let agrees = cross.neighbor.shares_sample_with(self.merge.canonical());
         let canonical_at_neighbor = if agrees { 0.0 } else { cross.targets.canonical_at_neighbor };
-        let doubt = self.merge.doubt(cross.neighbor.confidence, canonical_at_neighbor);
-        self.doubt += doubt;
-        let asked = v * self.doubt < doubt;
+        let pending = self.merge.pending(cross.neighbor.confidence, canonical_at_neighbor);
+        self.pending += pending;
+        let asked = v * self.pending < pending;
         if asked {
             self.ray = cross.ray;
         }
-        Added { weighed, doubt, asked }
+        Added { weighed, pending, asked }
     }
 
     /// The merge once the ray has answered.
     pub fn resolved(&self, visible: bool) -> Pairwise {
         let mut merge = self.merge;
         if !visible {
-            merge.resolve(self.doubt);
+            merge.resolve(self.pending);
         }
         merge
     }
 
     /// No ray is worth tracing for nothing.
     pub fn is_certain(&self) -> bool {
-        self.doubt == 0.0
+        self.pending == 0.0
     }
 }
 
@@ -102,7 +102,7 @@ impl DoubtedMerge {
 pub struct Added {
     pub weighed: Weighed,
     /// What the canonical weight gains if this neighbor does not see the canonical sample.
-    pub doubt: f32,
+    pub pending: f32,
     /// It answers for all, for now.
     pub asked: bool,
 }

@@ -99,8 +99,8 @@ fn rays_left_out_are_seen() {
     is_seen(Plant::VisibilityReuse, screened(world::points()), temporal, 1);
     is_seen(Plant::HistoryRay, screened(world::points()), temporal, 4);
     is_seen(Plant::SurvivorRay, screened(world::points()), spatial, 1);
-    is_seen(Plant::DoubtRay, screened(world::points()), spatial, 1);
-    is_seen(Plant::DoubtInverted, screened(world::points()), spatial, 1);
+    is_seen(Plant::PendingRay, screened(world::points()), spatial, 1);
+    is_seen(Plant::PendingInverted, screened(world::points()), spatial, 1);
 }
 
 #[test]

@@ -302,7 +302,7 @@ impl Frame<'_> {
     fn spatial(&self, reservoirs: &[StoredReservoir], iteration: u32) -> Vec<StoredReservoir> {
         let b = self.buffers;
         let rays =
-            self.rays([(Plant::DoubtRay, Question::Neighbor), (Plant::SurvivorRay, Question::Survivor)]);
+            self.rays([(Plant::PendingRay, Question::Neighbor), (Plant::SurvivorRay, Question::Survivor)]);
         self.each(iteration, |at, note, _| {
             self.unnormalized(passes::spatial(at, rays, note, b.lights, b.alias, b.gbuffer, reservoirs))
         })
@@ -352,7 +352,7 @@ impl Visibility for Rays<'_> {
     const TRACES: bool = true;
 
     fn sees(&mut self, question: Question, ray: ShadowRay, _: u32) -> bool {
-        let inverted = question == Question::Neighbor && self.frame.is(Plant::DoubtInverted);
+        let inverted = question == Question::Neighbor && self.frame.is(Plant::PendingInverted);
         self.assumed == Some(question) || self.frame.world.trace(ray) != inverted
     }
 

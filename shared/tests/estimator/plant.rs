@@ -29,12 +29,12 @@ pub enum Plant {
     ShadowRay,
     /// Visibility reuse left out where later passes count on it.
     VisibilityReuse,
-    /// The ray from the history's pixel, from the doubted neighbor, and to the survivor.
+    /// The ray from the history's pixel, from the neighbor whose weight is pending, and to the survivor.
     HistoryRay,
-    DoubtRay,
+    PendingRay,
     SurvivorRay,
     /// Neighbors that see the sample are taken for blind, and the other way round.
-    DoubtInverted,
+    PendingInverted,
     /// The ray to the partner's sample, where that is merged, and where the partner weighs its own by the answer.
     RayToPartner,
     RayFromPartner,
