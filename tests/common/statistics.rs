@@ -2,6 +2,7 @@
 
 use glam::{UVec2, Vec3};
 use shared::math::luminance;
+use statrs::distribution::{ContinuousCDF, StudentsT};
 
 /// Blocks of 8 x 8 pixels: their mean luminance.
 pub fn block_means(picture: &[Vec3], size: UVec2) -> Vec<f64> {
@@ -140,50 +141,7 @@ pub fn largest_cluster(marked: &[bool], size: UVec2) -> usize {
     largest
 }
 
-/// Probability that |T| >= |`t`| for Student's t with `df` degrees of freedom: I_x(df/2, 1/2) with x = df/(df + t²).
+/// Probability that |T| >= |`t`| for Student's t with `df` degrees of freedom.
 pub fn student_p(t: f64, df: f64) -> f64 {
-    let x = df / (df + t * t);
-    let (a, b) = (0.5 * df, 0.5);
-    // The continued fraction of the incomplete beta function (DLMF 8.17.22) converges fast on one side of its mean.
-    if x < (a + 1.0) / (a + b + 2.0) { beta_fraction(x, a, b) } else { 1.0 - beta_fraction(1.0 - x, b, a) }
-}
-
-/// I_x(a, b), DLMF 8.17.22, by the modified Lentz method.
-fn beta_fraction(x: f64, a: f64, b: f64) -> f64 {
-    if x <= 0.0 {
-        return 0.0;
-    }
-    let front = (a * x.ln() + b * (-x).ln_1p() - ln_beta(a, b)).exp() / a;
-    let (mut c, mut d) = (1.0, 1.0 / (1.0 - (a + b) * x / (a + 1.0)));
-    let mut fraction = d;
-    for m in 1..500 {
-        let m = f64::from(m);
-        let even = m * (b - m) * x / ((a + 2.0 * m - 1.0) * (a + 2.0 * m));
-        let odd = -(a + m) * (a + b + m) * x / ((a + 2.0 * m) * (a + 2.0 * m + 1.0));
-        for term in [even, odd] {
-            d = 1.0 / (1.0 + term * d);
-            c = 1.0 + term / c;
-            fraction *= c * d;
-        }
-        if (c * d - 1.0).abs() < 1e-14 {
-            break;
-        }
-    }
-    front * fraction
-}
-
-fn ln_beta(a: f64, b: f64) -> f64 {
-    ln_gamma(a) + ln_gamma(b) - ln_gamma(a + b)
-}
-
-/// ln Γ(x) for x > 0: shifted up to where Stirling's series (DLMF 5.11.1) is exact to 1e-14.
-fn ln_gamma(x: f64) -> f64 {
-    let (mut x, mut shift) = (x, 0.0);
-    while x < 15.0 {
-        shift -= x.ln();
-        x += 1.0;
-    }
-    let r = 1.0 / (x * x);
-    let series = (1.0 / 12.0 - r * (1.0 / 360.0 - r * (1.0 / 1260.0 - r / 1680.0))) / x;
-    shift + (x - 0.5) * x.ln() - x + 0.5 * std::f64::consts::TAU.ln() + series
+    StudentsT::new(0.0, 1.0, df).map_or(f64::NAN, |student| 2.0 * student.sf(t.abs()))
 }
