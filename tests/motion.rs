@@ -111,8 +111,14 @@ fn unbiased_reuse_is_right_where_things_move() {
     let mut renderer = renderer(&device, &scene, SIZE, 1);
     pose(&mut renderer, &mut scene, 3.0);
     let truth = replicas(REPLICAS, SIZE, |seed| reference(&mut renderer, moving_camera(3), 1000 + seed));
-    let base =
-        Settings { candidates: 8, radius: 8.0, spatial: 0, mode: mode::UNBIASED, ..Settings::default() };
+    let base = Settings {
+        candidates: 8,
+        radius: 8.0,
+        spatial: 0,
+        pixel_centers: 1,
+        mode: mode::UNBIASED,
+        ..Settings::default()
+    };
     for (name, settings) in [
         ("temporal", base),
         ("temporal without visibility reuse", Settings { visibility_reuse: 0, ..base }),
@@ -123,6 +129,34 @@ fn unbiased_reuse_is_right_where_things_move() {
     }
     renderer.ignore_motion(true);
     let z = largest_z(&run(&mut renderer, &mut scene, base), &truth).0;
+    println!("without a past: largest z {z:.2}");
+    assert!(z > Z_LIMIT, "the past taken for the present was not seen: {z}");
+    assert_no_validation_messages(&device);
+}
+
+/// The same where pixels keep their points, also those of things that move: against the sum at those very points.
+#[test]
+fn points_that_last_are_right_where_things_move() {
+    let Some(device) = device() else { return };
+    let mut scene = moving();
+    let mut renderer = renderer(&device, &scene, SIZE, 1);
+    let settings = Settings {
+        candidates: 8,
+        radius: 8.0,
+        pixel_centers: 0,
+        mode: mode::UNBIASED,
+        ..Settings::default()
+    };
+    run(&mut renderer, &mut scene, settings);
+    let lights = renderer.scene().light_count();
+    let truth = replicas(REPLICAS, SIZE, |seed| {
+        let options = options(Work::Truth { lights }, 1000 + seed);
+        renderer.render(moving_camera(3), &options).expect("the sum renders");
+        renderer.radiance().expect("the picture is read back")
+    });
+    assert_means("points that last", &run(&mut renderer, &mut scene, settings), &truth, Z_LIMIT);
+    renderer.ignore_motion(true);
+    let z = largest_z(&run(&mut renderer, &mut scene, settings), &truth).0;
     println!("without a past: largest z {z:.2}");
     assert!(z > Z_LIMIT, "the past taken for the present was not seen: {z}");
     assert_no_validation_messages(&device);
@@ -267,7 +301,8 @@ fn a_turning_box_keeps_its_history() {
             let copy = |resource, copy| Target { resource, copy };
             let gbuffer: Vec<GBufferTexel> = renderer.read(copy(Resource::gbuffer, 1)).unwrap();
             let reservoirs: Vec<StoredReservoir> = renderer.read(copy(Resource::reservoirs, 2)).unwrap();
-            let box_pixels = gbuffer.iter().zip(&reservoirs).filter(|(t, _)| !t.is_empty() && t.instance > 0);
+            let box_pixels =
+                gbuffer.iter().zip(&reservoirs).filter(|(t, _)| !t.is_empty() && t.instance() > 0);
             box_pixels.filter(|(_, reservoir)| reservoir.confidence > 8.0).count() as f64
         };
         let (found, ignoring) = (with_history(false), with_history(true));

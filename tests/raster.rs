@@ -89,7 +89,7 @@ fn judge(seen: &Seen, oracle: &Oracle, camera: Camera) -> Verdict {
                 Some(named) => named == (c.instance, c.primitive),
                 None => true,
             };
-            named && c.instance == texel.instance && is_at(c, texel.distance(), camera)
+            named && c.instance == texel.instance() && is_at(c, texel.distance(), camera)
         };
         verdict.wrong += usize::from(!shown.iter().any(fits));
     }

@@ -1,6 +1,6 @@
 //! What rays report: closest hit and misses; and the hits that transparent surfaces let through.
 
-use crate::textures::{Place, Textures, corners, uv_sets};
+use crate::textures::{Place, Textures, uv_sets};
 use shared::alpha::is_let_through;
 use shared::geometry::{InstanceGeometry, VertexAttributes, vertex_alpha};
 use shared::glam::Vec2;
@@ -61,7 +61,7 @@ impl Transparency<'_> {
         key: u32,
     ) -> bool {
         let geometry = self.instances[instance as usize];
-        let corners = corners(&geometry, self.indices, primitive);
+        let corners = geometry.corners(self.indices, primitive);
         let attributes =
             [self.attributes[corners[0]], self.attributes[corners[1]], self.attributes[corners[2]]];
         let uvs = [attributes[0].uv, attributes[1].uv, attributes[2].uv];

@@ -25,7 +25,7 @@ use spirv_std::spirv;
 
 /// The functions that entry points of the same names run.
 mod body {
-    pub use crate::primary::{gbuffer, gbuffer_raster, roofline_primary};
+    pub use crate::primary::{gbuffer, gbuffer_aimed, gbuffer_kept, gbuffer_raster, roofline_primary};
     pub use shared::passes::*;
 }
 

@@ -1,6 +1,6 @@
 //! What a pixel sees: the bodies of the passes that fill the G-buffer. They read images, so they stand here.
 
-use crate::textures::{Place, Textures, corners, triangle, uv_sets};
+use crate::textures::{Place, Textures, triangle, uv_sets};
 use crate::trace::Eye;
 use shared::alpha;
 use shared::environment::{EnvironmentTexel, texel_of};
@@ -9,20 +9,14 @@ use shared::geometry::{InstanceGeometry, VertexAttributes};
 use shared::glam::{UVec2, Vec2, Vec3};
 use shared::interface::HitPayload;
 use shared::material::Material;
+use shared::math::{CENTER, unpack_place};
 use shared::passes::At;
+use shared::points::{Aim, ScenePoint};
 use shared::raster;
 use shared::ray_cone::{self, Footprint};
 use shared::resources::Extent;
 use shared::stored_ray::StoredRay;
 use shared::surface::{GBufferTexel, PrimaryHit};
-
-/// A point of a triangle of a geometry.
-#[derive(Clone, Copy)]
-pub struct Hit {
-    pub instance: u32,
-    pub primitive: u32,
-    pub barycentrics: Vec2,
-}
 
 /// Scene buffers that tell what a ray from the eye met.
 #[derive(Clone, Copy)]
@@ -39,29 +33,43 @@ pub struct Scene<'a> {
 
 impl Scene<'_> {
     /// Where the ray along `direction` (unit) meets a triangle that it is known to meet.
-    fn hit(self, frame: &FrameConstants, direction: Vec3, instance: u32, primitive: u32) -> Hit {
+    fn hit(self, frame: &FrameConstants, direction: Vec3, instance: u32, primitive: u32) -> ScenePoint {
         let geometry = self.instances[instance as usize];
-        let [a, b, c] = corners(&geometry, self.indices, primitive);
+        let [a, b, c] = geometry.corners(self.indices, primitive);
         let eye = frame.camera.position;
         let corners = [
             geometry.relative_to(eye, self.positions[a]),
             geometry.relative_to(eye, self.positions[b]),
             geometry.relative_to(eye, self.positions[c]),
         ];
-        Hit { instance, primitive, barycentrics: raster::barycentrics(corners, direction) }
+        ScenePoint::new(instance, primitive, raster::barycentrics(corners, direction))
     }
 
-    /// The surface at `hit` for a ray along `direction` (unit), and the radiance that it shows unlit.
+    /// The surface at `hit`, if there is one, for a ray along `direction` (unit), and the radiance that is there unlit.
+    fn seen(
+        self,
+        textures: &Textures,
+        frame: &FrameConstants,
+        direction: Vec3,
+        hit: ScenePoint,
+    ) -> (GBufferTexel, Vec3) {
+        if hit.is_none() {
+            self.background(frame, direction)
+        } else {
+            self.surface(textures, frame, direction, hit)
+        }
+    }
+
     fn surface(
         self,
         textures: &Textures,
         frame: &FrameConstants,
         direction: Vec3,
-        hit: Hit,
+        hit: ScenePoint,
     ) -> (GBufferTexel, Vec3) {
         let eye = frame.camera.position;
-        let geometry = self.instances[hit.instance as usize];
-        let corners = corners(&geometry, self.indices, hit.primitive);
+        let geometry = self.instances[hit.instance() as usize];
+        let corners = geometry.corners(self.indices, hit.primitive);
         let triangle = triangle(self.positions, self.attributes, corners);
         let point = geometry.surface_point(triangle, hit.barycentrics);
         let material = self.materials[geometry.material as usize];
@@ -75,7 +83,7 @@ impl Scene<'_> {
             geometry.double_area(triangle.positions),
         );
         let texels = place.texels(textures, &material, footprint);
-        let seen = PrimaryHit { point, material, texels, features: self.features, instance: hit.instance };
+        let seen = PrimaryHit { point, material, texels, features: self.features, instance: hit.instance() };
         (seen.texel(eye), seen.emission(eye))
     }
 
@@ -90,11 +98,11 @@ impl Scene<'_> {
     }
 }
 
-/// A body that gives the G-buffer's texel and the radiance that needs no lighting (emission, background): `$hit` is what
-/// the pixel's ray meets.
+/// A body that gives the G-buffer's texel, the radiance that needs no lighting (emission, background), and the point of the scene.
+/// `$first` and `$last` are its arguments before and after the scene's buffers. `$code` has the scene, and gives all it writes.
 macro_rules! sees {
-    ($(#[$doc:meta])* $name:ident($($first:ident: $first_type:ty)?; $($last:ident: $last_type:ty)?)
-        |$at:ident, $scene:ident, $direction:ident| $hit:expr) => {
+    ($(#[$doc:meta])* $name:ident($($first:ident: $first_type:ty)?; $($last:ident: $last_type:ty),*) -> $out:ty
+        |$at:ident, $scene:ident, $textures:ident| $code:expr) => {
         $(#[$doc])*
         pub fn $name(
             $at: At<'_>,
@@ -106,36 +114,80 @@ macro_rules! sees {
             materials: &[Material],
             second_uvs: &[Vec2],
             environment: &[EnvironmentTexel],
-            textures: &Textures,
-            $($last: $last_type,)?
-        ) -> (GBufferTexel, Vec3) {
-            let (frame, features) = ($at.frame, $at.features);
-            let $direction = frame.camera.direction($at.pixel.as_vec2() + 0.5, frame.size);
+            $textures: &Textures,
+            $($last: $last_type,)*
+        ) -> $out {
+            let features = $at.features;
             let $scene =
                 Scene { features, instances, positions, attributes, indices, materials, second_uvs, environment };
-            match $hit {
-                None => $scene.background(frame, $direction),
-                Some(hit) => $scene.surface(textures, frame, $direction, hit),
-            }
+            $code
         }
     };
 }
 
+/// Of the ray through the place in `at`'s pixel that `place` packs.
+fn direction(at: At<'_>, place: u32) -> Vec3 {
+    at.frame.camera.direction(at.pixel.as_vec2() + unpack_place(place), at.frame.size)
+}
+
+/// What a ray from the eye meets.
+fn met(at: At<'_>, eye: Eye<'_>, direction: Vec3) -> ScenePoint {
+    let key = alpha::primary_key(at.frame, at.pixel);
+    let HitPayload { hit, instance, primitive, barycentrics, .. } =
+        eye.trace(at.features, at.frame.camera.position, direction, key);
+    if hit != 0 { ScenePoint::new(instance, primitive, barycentrics) } else { ScenePoint::default() }
+}
+
 sees! {
-    /// What each pixel sees, by a ray.
-    gbuffer(eye: Eye<'_>;) |at, scene, direction| {
-        let key = alpha::primary_key(at.frame, at.pixel);
-        let met = eye.trace(scene.features, at.frame.camera.position, direction, key);
-        let HitPayload { instance, primitive, barycentrics, .. } = met;
-        (met.hit != 0).then_some(Hit { instance, primitive, barycentrics })
+    /// What each pixel's center sees, by a ray.
+    gbuffer(eye: Eye<'_>;) -> (GBufferTexel, Vec3, ScenePoint) |at, scene, textures| {
+        let direction = direction(at, CENTER);
+        let point = met(at, eye, direction);
+        let (texel, radiance) = scene.seen(textures, at.frame, direction, point);
+        (texel, radiance, point)
     }
 }
 
 sees! {
     /// The same, from the triangle that `visibility` has drawn there.
-    gbuffer_raster(; visibility: &[UVec2]) |at, scene, direction| {
-        let seen = raster::triangle(visibility[at.index(Extent::Pixels)]);
-        seen.map(|(instance, primitive)| scene.hit(at.frame, direction, instance, primitive))
+    gbuffer_raster(; visibility: &[UVec2]) -> (GBufferTexel, Vec3, ScenePoint) |at, scene, textures| {
+        let direction = direction(at, CENTER);
+        let point = match raster::triangle(visibility[at.index(Extent::Pixels)]) {
+            None => ScenePoint::default(),
+            Some((instance, primitive)) => scene.hit(at.frame, direction, instance, primitive),
+        };
+        let (texel, radiance) = scene.seen(textures, at.frame, direction, point);
+        (texel, radiance, point)
+    }
+}
+
+sees! {
+    /// What each pixel sees where it aims; with what became of its aim, and no catch.
+    gbuffer_aimed(eye: Eye<'_>; previous_points: &[ScenePoint], aim: Aim, _caught: u32)
+        -> (Aim, u32, GBufferTexel, Vec3, ScenePoint) |at, scene, textures|
+    {
+        let direction = direction(at, aim.place);
+        let hit = met(at, eye, direction);
+        let aim = aim.confirmed(&hit, previous_points);
+        // A point that is kept is kept exactly, however often it is seen through another place.
+        let point = match aim.source() {
+            Some(source) => previous_points[source as usize],
+            None => hit,
+        };
+        let (texel, radiance) = scene.seen(textures, at.frame, direction, hit);
+        (aim, 0, texel.seen_through(aim.place), radiance, point)
+    }
+}
+
+sees! {
+    /// What each pixel saw in the previous frame, from where it saw it.
+    gbuffer_kept(; previous_gbuffer: &[GBufferTexel], previous_points: &[ScenePoint])
+        -> (GBufferTexel, Vec3, ScenePoint) |at, scene, textures|
+    {
+        let index = at.index(Extent::Pixels);
+        let (texel, point) = (previous_gbuffer[index], previous_points[index]);
+        let (_, radiance) = scene.seen(textures, at.frame, direction(at, texel.place()), point);
+        (texel, radiance, point)
     }
 }
 

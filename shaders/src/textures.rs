@@ -1,7 +1,7 @@
-//! What a hit's indices lead to: corners, coordinates, texels.
+//! What a hit's indices lead to: coordinates, texels.
 
 use shared::frame::features;
-use shared::geometry::{InstanceGeometry, Triangle, VertexAttributes, interpolate};
+use shared::geometry::{Triangle, VertexAttributes, interpolate};
 use shared::glam::{Vec2, Vec3, Vec4};
 use shared::material::{Material, MaterialTexels, NO_TEXTURE, slot};
 use shared::ray_cone::{Footprint, double_area};
@@ -9,16 +9,6 @@ use spirv_std::RuntimeArray;
 use spirv_std::image::{Image2d, SampledImage};
 
 pub type Textures = RuntimeArray<SampledImage<Image2d>>;
-
-/// Places of a triangle's corners in the vertex buffers.
-pub fn corners(geometry: &InstanceGeometry, indices: &[u32], primitive: u32) -> [usize; 3] {
-    let first = (geometry.first_index + 3 * primitive) as usize;
-    [
-        (geometry.first_vertex + indices[first]) as usize,
-        (geometry.first_vertex + indices[first + 1]) as usize,
-        (geometry.first_vertex + indices[first + 2]) as usize,
-    ]
-}
 
 pub fn triangle(positions: &[Vec3], attributes: &[VertexAttributes], [a, b, c]: [usize; 3]) -> Triangle {
     Triangle {

@@ -141,6 +141,11 @@ impl FrameConstants {
     pub fn pixel_index(&self, pixel: UVec2) -> u32 {
         pixel.y * self.size.x + pixel.x
     }
+
+    /// The pixel at that place.
+    pub fn pixel_at(&self, index: u32) -> UVec2 {
+        UVec2::new(index % self.size.x, index / self.size.x)
+    }
 }
 
 /// What a scene contains, as bits: pipelines are specialised with them.

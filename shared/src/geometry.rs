@@ -89,6 +89,16 @@ impl InstanceGeometry {
         self.normal_x * n.x + self.normal_y * n.y + self.normal_z * n.z
     }
 
+    /// Places of a triangle's corners in the vertex buffers.
+    pub fn corners(&self, indices: &[u32], primitive: u32) -> [usize; 3] {
+        let first = (self.first_index + 3 * primitive) as usize;
+        [
+            (self.first_vertex + indices[first]) as usize,
+            (self.first_vertex + indices[first + 1]) as usize,
+            (self.first_vertex + indices[first + 2]) as usize,
+        ]
+    }
+
     /// Twice the area of a triangle (its corners in object space), m².
     pub fn double_area(&self, p: [Vec3; 3]) -> f32 {
         self.direction_to_world(p[1] - p[0]).cross(self.direction_to_world(p[2] - p[0])).length()

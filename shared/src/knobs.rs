@@ -73,6 +73,10 @@ macro_rules! knobs {
         reservoirs -> reservoirs: count(1..=4, One) = 1,
             label "Reservoirs", about "Independent reservoirs of each pixel, averaged by shading",
             higher "less noise; time and memory grow with it", lower "faster", bias "none";
+        pixel_centers -> pixel_centers: switch() = true,
+            label "Pixel centers", about "Shade what lies behind the centers of pixels, also while the camera moves",
+            higher "points jump with each movement: noise of a moving picture", lower "points of surfaces last: a moving picture is as good as a still one",
+            bias "none";
         mode -> mode: choice(Mode, $crate::frame::mode::UNBIASED) = Unbiased,
             label "Mode", about "How reused reservoirs are weighted",
             higher "unbiased: the right mean, more rays", lower "biased: faster, too dark where neighbors disagree",

@@ -28,7 +28,7 @@
 //!
 //! Reading order: [`math`], [`rng`], [`pdf`], [`sampling`], [`alias_table`], [`environment`], [`light`], [`camera`],
 //! [`cells`], [`counters`], [`frame`] (its settings: [`knobs!`]), [`geometry`], [`raster`], [`material`], [`ray_cone`], [`alpha`], [`surface`], [`bsdf`], [`target`], [`shadow`],
-//! [`reservoir`], [`motion`], [`resampling`], [`shading`], [`passes`], [`tonemap`], [`view`], [`statistics`],
+//! [`reservoir`], [`motion`], [`points`], [`resampling`], [`shading`], [`passes`], [`tonemap`], [`view`], [`statistics`],
 //! [`stored_ray`], [`resources`], [`interface`].
 #![cfg_attr(target_arch = "spirv", no_std)]
 #![cfg_attr(target_arch = "spirv", feature(asm_experimental_arch))]
@@ -50,6 +50,7 @@ pub mod math;
 pub mod motion;
 pub mod passes;
 pub mod pdf;
+pub mod points;
 pub mod raster;
 pub mod ray_cone;
 pub mod reflected;

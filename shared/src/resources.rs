@@ -51,6 +51,9 @@ macro_rules! resources {
             (1    observations         (u32)               1      Beliefs     { observations = 25 })
             (1    pool_entries         (TileEntry)         1      Pools       { pool_entries = 26 })
             (1    pool_points          (u32)               1      Pools       { pool_points = 27 })
+            (1    points               (ScenePoint)        2      Pixels      { points = 28, previous_points = 29 })
+            (1    caught               (u32)               1      Pixels      { caught = 30 })
+            (1    aims                 (Aim)               1      Pixels      { aims = 31 })
             (2    previous_lights      (Light)             1      Scene       { previous_lights = 1 })
             (2    motions              (InstanceMotion)    1      Scene       { motions = 2 })
             (2    previous_to_current  (u32)               1      Scene       { previous_to_current = 3 })
@@ -72,6 +75,7 @@ pub mod element {
     pub use crate::material::Material;
     pub use crate::motion::InstanceMotion;
     pub use crate::passes::pair_targets::PairTargets;
+    pub use crate::points::{Aim, ScenePoint};
     pub use crate::reservoir::StoredReservoir;
     pub use crate::statistics::BlockSums;
     pub use crate::stored_ray::StoredRay;

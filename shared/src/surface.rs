@@ -4,7 +4,9 @@ use crate::camera::Camera;
 use crate::frame::features;
 use crate::geometry::SurfacePoint;
 use crate::material::{Material, MaterialTexels, NO_TEXTURE, Reflectance, UNLIT_WHITE, flag, slot};
-use crate::math::{offset_ray_origin, pack_direction, pack_unorm16, unpack_direction, unpack_unorm16};
+use crate::math::{
+    offset_ray_origin, pack_direction, pack_unorm16, unpack_direction, unpack_place, unpack_unorm16,
+};
 use bytemuck::{Pod, Zeroable};
 use glam::{UVec2, Vec3};
 
@@ -35,11 +37,14 @@ pub struct GBufferTexel {
     pub normal: u32,
     /// diffuse r, g | diffuse b, f0 r | f0 g, b: error <= 0.51/65535 each.
     pub reflectance: [u32; 3],
-    /// Error <= 0.51/65535.
+    /// Roughness, error <= 0.51/65535 | lower 16 of the 24 bits of the place in the pixel.
     pub roughness: u32,
-    /// The [`crate::geometry::InstanceGeometry`] that was hit.
+    /// The [`crate::geometry::InstanceGeometry`] that was hit, 24 bits as a hit has them | upper 8 bits of the place.
     pub instance: u32,
 }
+
+/// The bits of an instance.
+const INSTANCE: u32 = (1 << 24) - 1;
 
 fn pack2(low: f32, high: f32) -> u32 {
     pack_unorm16(low) | pack_unorm16(high) << 16
@@ -63,8 +68,24 @@ impl GBufferTexel {
             normal: pack_direction(visible_normal(normal * side, to_eye.normalize())),
             reflectance: [pack2(diffuse.x, diffuse.y), pack2(diffuse.z, f0.x), pack2(f0.y, f0.z)],
             roughness: pack_unorm16(roughness),
-            instance,
+            instance: instance & INSTANCE,
         }
+    }
+
+    /// Seen through the place in its pixel that `place` packs (see [`crate::math::pack_place`]), not through its center.
+    pub fn seen_through(self, place: u32) -> Self {
+        let roughness = self.roughness & 0xffff | place << 16;
+        GBufferTexel { roughness, instance: self.instance & INSTANCE | (place >> 16) << 24, ..self }
+    }
+
+    /// Place in the pixel through which it was seen, packed.
+    pub fn place(&self) -> u32 {
+        self.roughness >> 16 | (self.instance >> 24) << 16
+    }
+
+    /// Index of the [`crate::geometry::InstanceGeometry`] that was hit.
+    pub fn instance(&self) -> u32 {
+        self.instance & INSTANCE
     }
 
     pub fn is_empty(&self) -> bool {
@@ -104,7 +125,7 @@ impl GBufferTexel {
 
     /// The surface of `pixel` seen by `camera` in an image of `size`.
     pub fn unpack(&self, camera: &Camera, pixel: UVec2, size: UVec2) -> Surface {
-        let direction = camera.direction(pixel.as_vec2() + 0.5, size);
+        let direction = camera.direction(pixel.as_vec2() + unpack_place(self.place()), size);
         let distance = self.distance();
         Surface {
             position: camera.position + direction * distance,
@@ -224,7 +245,7 @@ mod tests {
             assert!((s.reflectance.diffuse - reflectance.diffuse).abs().max_element() < 1e-5);
             assert!((s.reflectance.f0 - reflectance.f0).abs().max_element() < 1e-5);
             assert!((s.reflectance.roughness - t).abs() < 1e-5);
-            assert!(!texel.is_empty() && texel.instance == i);
+            assert!(!texel.is_empty() && texel.instance() == i);
         }
         assert!(GBufferTexel::default().is_empty());
         assert_eq!(size_of::<GBufferTexel>(), 32);

@@ -101,7 +101,7 @@ pub fn color(view: u32, scale: f32, frame: &FrameConstants, pixel: &Pixel) -> Ve
         kind::DIFFUSE => tonemap::encode(texel.diffuse()),
         kind::F0 => tonemap::encode(texel.f0()),
         kind::ROUGHNESS => Vec3::splat(texel.roughness()),
-        kind::INSTANCE => id_color(texel.instance),
+        kind::INSTANCE => id_color(texel.instance()),
         kind::CONFIDENCE => heat(place((1.0 + reservoir.confidence).log2(), CONFIDENCE_RANGE)),
         kind::VISIBILITY => visibility_color(has_light, pixel),
         kind::CELL if frame.settings.cells == 0 => Vec3::ZERO,

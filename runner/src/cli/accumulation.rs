@@ -6,6 +6,7 @@ use crate::image_io::{self, Channel};
 use crate::measure::mean::Mean;
 use glam::{UVec2, Vec3};
 use shared::camera::Camera;
+use shared::math::unpack_place;
 use shared::resources::Resource;
 use shared::surface::GBufferTexel;
 use std::path::Path;
@@ -58,7 +59,8 @@ impl Accumulation {
             gbuffer.iter().map(|texel| if texel.is_empty() { Vec3::ZERO } else { look(texel) }).collect()
         };
         let depth = |(i, texel): (usize, &GBufferTexel)| {
-            let pixel = UVec2::new(i as u32 % size.x, i as u32 / size.x).as_vec2() + 0.5;
+            let pixel =
+                UVec2::new(i as u32 % size.x, i as u32 / size.x).as_vec2() + unpack_place(texel.place());
             let along = camera.direction(pixel, size).dot(camera.forward);
             if texel.is_empty() { NOTHING } else { texel.distance() * along }
         };

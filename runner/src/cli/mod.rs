@@ -17,6 +17,7 @@ mod report;
 mod roofline;
 mod sequence;
 mod sweep;
+mod truth;
 mod view;
 mod window;
 

@@ -5,7 +5,7 @@ use super::args::values::positive;
 use super::args::{DeviceArgs, KnobArgs, PictureArgs, SceneArgs};
 use super::output::Picture;
 use super::progress::Steps;
-use super::{output, sequence, view};
+use super::{output, sequence, truth, view};
 use crate::error::Result;
 use crate::frame::renderer::Renderer;
 use crate::frame::schedule::Work;
@@ -16,6 +16,7 @@ use crate::startup;
 use crate::vulkan::Device;
 use clap::Args;
 use std::ops::Range;
+use std::path::PathBuf;
 
 #[derive(Args, Clone, Debug)]
 pub struct RenderArgs {
@@ -44,6 +45,13 @@ pub struct RenderArgs {
     /// better sooner with --no-temporal --no-spatial.
     #[arg(long)]
     pub accumulate: bool,
+    /// Write the truth beside the picture, an .exr: the sum over all lights at the very points that its pixels shaded; of a sequence
+    /// one a picture, with #### or {frame} in its name.
+    #[arg(long, value_name = "FILE")]
+    pub truth: Option<PathBuf>,
+    /// Points drawn on each light with an extent, of `--truth`.
+    #[arg(long, default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..))]
+    pub truth_samples: u32,
 }
 
 /// What `--frames` asks for.
@@ -64,6 +72,7 @@ pub fn run(args: &RenderArgs) -> Result<()> {
 
 fn still(args: &RenderArgs, frames: u32) -> Result<()> {
     let format = output::check(&args.picture.output, &args.picture)?;
+    truth::check(args, args.truth.as_deref())?;
     let knobs = args.knobs.knobs()?;
     let mut scene = view::load_scene(&args.scene)?;
     view::pose(&mut scene, args.picture.time);
@@ -102,6 +111,10 @@ fn still(args: &RenderArgs, frames: u32) -> Result<()> {
 
     let picture = Picture { frames: &accumulation, renderer: &renderer, camera, format };
     picture.write(&args.picture, metered)?;
+    if let Some(path) = &args.truth {
+        truth::write(path, args.truth_samples, &mut renderer, camera, &options)?;
+        println!("wrote {}", path.display());
+    }
     let lights = renderer.scene().light_count();
     println!("{}: {lights} lights, {}x{}, {} frames", device.info().name, size.x, size.y, frames);
     println!("{}", times.summary());

@@ -5,7 +5,7 @@ use super::accumulation::Accumulation;
 use super::output::Picture;
 use super::progress::Steps;
 use super::render::RenderArgs;
-use super::{output, view};
+use super::{output, truth, view};
 use crate::error::{Error, Result};
 use crate::exposure;
 use crate::frame::renderer::{FrameOptions, Renderer};
@@ -29,6 +29,8 @@ pub fn run(args: &RenderArgs, frames: Range<u32>) -> Result<()> {
         .map(|frame| Ok((frame, numbered(&args.picture.output, frame)?)))
         .collect::<Result<Vec<_>>>()?;
     let format = output::check(&wanted[0].1, &args.picture)?;
+    let truths = args.truth.as_ref();
+    truth::check(args, truths.map(|path| numbered(path, wanted[0].0)).transpose()?.as_deref())?;
     let all = wanted.len();
     let missing: Vec<_> = wanted.into_iter().filter(|(_, path)| args.overwrite || !path.exists()).collect();
     if missing.len() < all {
@@ -58,6 +60,10 @@ pub fn run(args: &RenderArgs, frames: Range<u32>) -> Result<()> {
         frames.add(&film.renderer)?;
         let picture = Picture { frames: &frames, renderer: &film.renderer, camera, format };
         picture.write_exposed(path, exposure)?;
+        if let Some(path) = truths {
+            let path = numbered(path, *frame)?;
+            truth::write(&path, args.truth_samples, &mut film.renderer, camera, &options)?;
+        }
         progress.step();
     }
     progress.end();

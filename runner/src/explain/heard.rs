@@ -217,7 +217,7 @@ impl<'a> Heard<'a> {
         if is_history {
             let mut before = Before::still(at.frame, &surface);
             if at.is(variant::MOVING) {
-                let instance = at.texel(buffers.gbuffer).instance as usize;
+                let instance = at.texel(buffers.gbuffer).instance() as usize;
                 before = before.moved(&surface, &buffers.motions[instance]);
             }
             (distance, normal) = (before.relative.length(), before.normal);

@@ -32,6 +32,7 @@ use shared::environment::EnvironmentTexel;
 use shared::frame::{FrameConstants, mode};
 use shared::light::tree::{self, Tree};
 use shared::light::{KINDS, Light};
+use shared::math::unpack_place;
 use shared::motion::InstanceMotion;
 use shared::passes::Body;
 use shared::reservoir::StoredReservoir;
@@ -261,14 +262,15 @@ impl<'a> Explainer<'a> {
     }
 
     fn seen(&self, frame: &FrameConstants) -> Option<Hit> {
-        let direction = frame.camera.direction(self.pixel.as_vec2() + 0.5, frame.size);
+        let direction =
+            frame.camera.direction(self.pixel.as_vec2() + unpack_place(self.texel.place()), frame.size);
         let key = alpha::primary_key(frame, self.pixel);
         self.world.occluders.seen(frame.camera.position, direction, key)
     }
 
     fn surface(&self, frame: &FrameConstants, texel: GBufferTexel, seen: Option<&Hit>) -> SurfaceReport {
         let surface = texel.unpack(&frame.camera, self.pixel, frame.size);
-        let same = seen.filter(|hit| hit.geometry == texel.instance);
+        let same = seen.filter(|hit| hit.geometry == texel.instance());
         SurfaceReport {
             position: surface.position.to_array(),
             distance: surface.distance,

@@ -1,6 +1,6 @@
 //! A sequence of frames with its past: what one frame leaves for the next.
 
-use super::schedule::Rotation;
+use super::schedule::{Points, Rotation};
 use super::targets::{Target, Targets};
 use crate::error::Result;
 use crate::vulkan::{Buffer, Device};
@@ -16,6 +16,9 @@ pub struct History {
     pub(super) rotation: Rotation,
     pub(super) index: u32,
     pub(super) previous_camera: Option<Camera>,
+    pub(super) points: Points,
+    /// Frames at rest since points last moved in their pixels.
+    pub(super) rested: u32,
     /// [`crate::gpu_scene::GpuScene::version`] that the last frame saw.
     pub(super) scene: u64,
     reservoirs: u32,
@@ -30,6 +33,8 @@ impl History {
             rotation: Rotation::default(),
             index: 0,
             previous_camera: None,
+            points: Points::Centers,
+            rested: 0,
             scene: 0,
             reservoirs,
             size,
@@ -60,6 +65,8 @@ impl History {
     pub fn restart(&mut self) {
         self.index = 0;
         self.previous_camera = None;
+        self.points = Points::Centers;
+        self.rested = 0;
     }
 
     /// Makes room for what passes that look at a frame read and write.

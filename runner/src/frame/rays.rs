@@ -20,7 +20,7 @@ fn of_step(step: &Step, settings: &Settings, features: u32) -> u64 {
     let known = u64::from(settings.visibility_is_known());
     let a_thread = match step.pass.body() {
         _ if matches!(step.pass.stage(), Stage::Compute | Stage::Raster) => 0,
-        Body::gbuffer => 1,
+        Body::gbuffer | Body::gbuffer_aimed => 1,
         Body::initial => {
             u64::from(settings.bsdf_candidates(features)) + u64::from(settings.visibility_reuse != 0)
         }

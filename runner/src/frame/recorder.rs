@@ -4,7 +4,7 @@ use super::history::History;
 use super::pass::{Step, barriers};
 use super::pipelines::{PassPipeline, Pipelines, SHADERS, draw, reads_past};
 use super::rays;
-use super::schedule::{Conditions, Primary, Rotation, Work, looks, schedule};
+use super::schedule::{Conditions, Points, Primary, Rotation, Work, looks, schedule};
 use super::targets::Target;
 use crate::error::{Error, Result};
 use crate::gpu_scene::GpuScene;
@@ -18,6 +18,7 @@ use shared::camera::Camera;
 use shared::frame::{FrameConstants, Settings, features};
 use shared::interface::PassConstants;
 use shared::passes::Pass;
+use shared::passes::points::TURNS;
 use shared::resources::{Resource, set};
 
 use vk::{AccessFlags as Access, PipelineStageFlags as PipelineStage};
@@ -55,6 +56,20 @@ struct Plan {
     next: Rotation,
     /// Version of the scene that it shows.
     now: u64,
+    points: Points,
+    /// It looks at the frame before, and no frame follows it.
+    looks_back: bool,
+}
+
+impl Plan {
+    /// The frame, seen by `camera`, was recorded.
+    fn advance(&self, history: &mut History, camera: Camera) {
+        if !self.looks_back {
+            history.advance(camera, self.next, self.now);
+            history.points = self.points;
+            history.rested = if self.points == Points::Returning { history.rested + 1 } else { 0 };
+        }
+    }
 }
 
 /// A scene with the pipelines that its frames need.
@@ -139,7 +154,7 @@ impl Recorder {
         }
         let seen = Seen { history, reference: None };
         self.record_steps(cmd, seen, &plan.constants.settings, &plan.steps, timestamps)?;
-        history.advance(camera, plan.next, plan.now);
+        plan.advance(history, camera);
         Ok(())
     }
 
@@ -167,7 +182,7 @@ impl Recorder {
             })?;
             see(history, &plan.constants, step)?;
         }
-        history.advance(camera, plan.next, plan.now);
+        plan.advance(history, camera);
         Ok(())
     }
 
@@ -175,7 +190,7 @@ impl Recorder {
     fn plan(&mut self, history: &mut History, camera: Camera, options: &FrameOptions) -> Result<Plan> {
         let settings = match options.work {
             Work::Restir(settings) => settings,
-            Work::Reference { .. } | Work::ReferenceSlice { .. } => {
+            Work::Reference { .. } | Work::ReferenceSlice { .. } | Work::Truth { .. } => {
                 Settings { reservoirs: 0, ..Settings::default() }
             }
         };
@@ -209,18 +224,32 @@ impl Recorder {
         };
         let draws = options.primary.draws(&self.device);
         let features = self.scene.features();
+        let rests = history.scene == now && history.previous_camera == Some(camera);
+        let looks_back = matches!(options.work, Work::Truth { .. });
+        if looks_back && !rests {
+            return Err(Error::Internal("there is no frame whose surfaces could be looked at again".into()));
+        }
+        let lasting = matches!(options.work, Work::Restir(_))
+            && settings.pixel_centers == 0
+            && options.primary != Primary::Raster
+            && history.index > 0;
+        let points = match (lasting, rests) {
+            (false, _) => Points::Centers,
+            (true, false) => Points::Lasting,
+            (true, true) if history.points == Points::Centers || history.rested >= TURNS => Points::Centers,
+            (true, true) => Points::Returning,
+        };
+        let same_points = rests && points == Points::Centers && history.points == Points::Centers;
         // Stochastic alpha may show another point. The first frame has no history to ask.
-        let rests = history.scene == now
-            && history.previous_camera == Some(camera)
-            && features & features::ALPHA == 0;
-        let still = !self.ignores_motion && (history.index == 0 || rests);
-        let conditions = Conditions { draws, features, moved, still, parts: options.parts };
+        let still =
+            !self.ignores_motion && (history.index == 0 || same_points && features & features::ALPHA == 0);
+        let conditions = Conditions { draws, points, features, moved, still, parts: options.parts };
         let (steps, next) = schedule(&options.work, conditions, history.rotation);
         for (_, _, target) in steps.iter().flat_map(|step| &step.targets) {
             history.targets.make(&self.device, target.resource)?;
         }
         self.pipelines.prepare(steps.iter().map(|step| (step.pass, step.variant)))?;
-        Ok(Plan { constants, steps, next, now })
+        Ok(Plan { constants, steps, next, now, points, looks_back })
     }
 
     /// Records passes that look at the frame of `history` that was recorded just before, and at the mean of `reference`.

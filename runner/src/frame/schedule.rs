@@ -46,11 +46,24 @@ impl Primary {
     }
 }
 
+/// Which points of the scene pixels shade, see [`shared::points`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Points {
+    /// Those behind their centers.
+    #[default]
+    Centers,
+    /// Those of the frame before that fall into them now, by rays.
+    Lasting,
+    /// The same where nothing has changed: they return to the centers.
+    Returning,
+}
+
 /// What the passes of a frame depend on beside its work.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Conditions {
-    /// Surfaces are drawn, not found by rays.
+    /// What pixels' centers see is drawn, not found by rays.
     pub draws: bool,
+    pub points: Points,
     /// [`shared::frame::features`] of the scene.
     pub features: u32,
     /// The scene is not where it was in the frame before.
@@ -70,6 +83,8 @@ pub enum Work {
     Reference { lights: u32 },
     /// A part of that sum: `count` lights from `first` on, added to the frame before unless `first` is 0.
     ReferenceSlice { first: u32, count: u32 },
+    /// The sum over this many lights at the very surfaces that the frame before shaded. The frame after it follows that one.
+    Truth { lights: u32 },
 }
 
 /// The passes of one frame and the rotation that the next frame starts from.
@@ -93,6 +108,12 @@ pub fn schedule(work: &Work, conditions: Conditions, rotation: Rotation) -> (Vec
             // The next slice adds to the same surfaces.
             return (frame.steps, rotation);
         }
+        Work::Truth { lights } => {
+            frame.run(Pass::gbuffer_kept);
+            reference(&mut frame, 0..lights);
+            resolve(&mut frame);
+            return (frame.steps, rotation);
+        }
     }
     resolve(&mut frame);
     frame.run(Pass::tonemap);
@@ -101,12 +122,18 @@ pub fn schedule(work: &Work, conditions: Conditions, rotation: Rotation) -> (Vec
 
 /// What each pixel sees.
 fn surfaces(frame: &mut Frame) {
-    if frame.conditions.draws {
-        frame.run(Pass::visibility);
-        frame.run(Pass::gbuffer_raster);
-    } else {
-        frame.run(Pass::gbuffer);
-    }
+    let rests = match (frame.conditions.points, frame.conditions.draws) {
+        (Points::Centers, true) => {
+            frame.run(Pass::visibility);
+            return frame.run(Pass::gbuffer_raster);
+        }
+        (Points::Centers, false) => return frame.run(Pass::gbuffer),
+        (Points::Lasting, _) => 0,
+        (Points::Returning, _) => variant::RESTS,
+    };
+    frame.run(Pass::scatter);
+    frame.run_variant(Pass::aim, rests);
+    frame.run(Pass::gbuffer_aimed);
 }
 
 /// ReSTIR DI: candidates, reuse in time and in space, shading.
@@ -126,7 +153,11 @@ fn restir_di(frame: &mut Frame, settings: &Settings) {
         // At rest all visibility is known; nobody asks where it is left to shading.
         let known = !moved && (still || !settings.visibility_is_known());
         let pass = if unbiased && !known { Pass::temporal_traced } else { Pass::temporal };
-        frame.run_variant(pass, weights | if moved { variant::MOVING } else { 0 });
+        let points = match frame.conditions.points {
+            Points::Centers => 0,
+            Points::Lasting | Points::Returning => variant::LASTING,
+        };
+        frame.run_variant(pass, weights | points | if moved { variant::MOVING } else { 0 });
     }
     for iteration in 0..settings.spatial * settings.spatial_iterations {
         frame.exchange(iteration);
@@ -249,6 +280,8 @@ impl Frame {
         match binding {
             Binding::gbuffer => copy(Resource::gbuffer, self.rotation.gbuffer),
             Binding::previous_gbuffer => self.rotation.last_gbuffer(),
+            Binding::points => copy(Resource::points, self.rotation.gbuffer),
+            Binding::previous_points => copy(Resource::points, 1 - self.rotation.gbuffer),
             Binding::reservoirs => copy(Resource::reservoirs, self.input),
             Binding::merged => copy(Resource::reservoirs, self.output),
             // The history is dead once it is merged: pairs of pixels tell each other there what they know.
@@ -277,17 +310,18 @@ mod tests {
                 let spatial_iterations = iterations;
                 let settings =
                     Settings { temporal, spatial, pairs, spatial_iterations, ..Default::default() };
-                follow(&Work::Restir(settings), true, "gbuffer_raster");
-                follow(&Work::Restir(settings), false, "gbuffer");
+                follow(&Work::Restir(settings), Points::Centers, true, "gbuffer_raster");
+                follow(&Work::Restir(settings), Points::Centers, false, "gbuffer");
+                follow(&Work::Restir(settings), Points::Lasting, false, "gbuffer_aimed");
             }
         }
     }
 
-    fn follow(work: &Work, draws: bool, surfaces: &str) {
+    fn follow(work: &Work, points: Points, draws: bool, surfaces: &str) {
         let mut rotation = Rotation::default();
         let mut content: HashMap<Target, (u32, &str)> = HashMap::new();
         for frame in 0..7 {
-            let conditions = Conditions { draws, moved: frame % 2 == 1, ..Default::default() };
+            let conditions = Conditions { draws, points, moved: frame % 2 == 1, ..Default::default() };
             let (steps, next) = schedule(work, conditions, rotation);
             let mut last_reservoirs = "";
             for step in &steps {
@@ -297,8 +331,11 @@ mod tests {
                         Binding::gbuffer if access == Access::Read => {
                             assert_eq!(found, Some((frame, surfaces)))
                         }
-                        Binding::previous_gbuffer if frame > 0 => {
+                        Binding::previous_gbuffer | Binding::previous_points if frame > 0 => {
                             assert_eq!(found, Some((frame - 1, surfaces)))
+                        }
+                        Binding::aims if access == Access::Read && points != Points::Centers => {
+                            assert_eq!(found, Some((frame, "gbuffer_aimed")), "confirmed");
                         }
                         Binding::visibility if access == Access::Read => {
                             assert_eq!(found, Some((frame, "visibility")))

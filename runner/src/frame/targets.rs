@@ -111,7 +111,8 @@ impl Targets {
 
 /// Do passes count in it from frame to frame?
 fn counts(resource: Resource) -> bool {
-    matches!(resource.extent(), Extent::Cells | Extent::Lists | Extent::Beliefs)
+    resource == Resource::caught
+        || matches!(resource.extent(), Extent::Cells | Extent::Lists | Extent::Beliefs)
 }
 
 /// Fills `buffer` with zeros, and waits for it.

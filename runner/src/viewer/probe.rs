@@ -103,7 +103,7 @@ impl ProbeSlot {
         Ok(Some(Probe {
             pixel,
             surface: (!texel.is_empty()).then(|| texel.unpack(&camera, pixel, size)),
-            instance: texel.instance,
+            instance: texel.instance(),
             reservoirs: content.reservoirs[..reservoirs.min(RESERVOIRS)].to_vec(),
             radiance: content.radiance,
         }))

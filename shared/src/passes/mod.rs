@@ -12,6 +12,7 @@ pub mod learn;
 pub mod observe;
 pub mod pair_merge;
 pub mod pair_targets;
+pub mod points;
 pub mod presample;
 pub mod reference;
 pub mod resolve;
@@ -35,6 +36,7 @@ pub use learn::{learn_beliefs, learn_lists};
 pub use observe::observe;
 pub use pair_merge::pair_merge;
 pub use pair_targets::pair_targets;
+pub use points::{aim, scatter};
 pub use presample::presample;
 pub use reference::{reference, reference_parts};
 pub use resolve::resolve;
@@ -76,6 +78,10 @@ pub mod variant {
     pub const TILED: u32 = 4;
     /// Candidates come from the pools of cells.
     pub const CELLS: u32 = 8;
+    /// Points of the previous frame fell into the pixels of this one.
+    pub const LASTING: u32 = 16;
+    /// Neither camera nor scene has changed since the previous frame.
+    pub const RESTS: u32 = 32;
 }
 
 /// One thread of a pass, and what is the same for all of them.

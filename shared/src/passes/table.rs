@@ -18,11 +18,21 @@ macro_rules! passes {
     ($use:ident) => {
         $use! {
             (gbuffer Pixels { primary() gbuffer }
-                [instances positions attributes indices materials second_uvs environment textures] [] [gbuffer radiance])
+                [instances positions attributes indices materials second_uvs environment textures] [] [gbuffer radiance points])
             (visibility Pixels { drawn() visibility }
                 [] [] [visibility])
             (gbuffer_raster Pixels { compute() gbuffer_raster }
-                [instances positions attributes indices materials second_uvs environment textures visibility] [] [gbuffer radiance])
+                [instances positions attributes indices materials second_uvs environment textures visibility] [] [gbuffer radiance points])
+            (scatter Pixels { compute() scatter }
+                [instances positions indices previous_points] [] [] [caught])
+            (aim Pixels { compute() aim }
+                [instances positions indices previous_points caught] [] [aims])
+            (gbuffer_aimed Pixels { primary() gbuffer_aimed }
+                [instances positions attributes indices materials second_uvs environment textures previous_points]
+                [aims caught] [gbuffer radiance points])
+            (gbuffer_kept Pixels { compute() gbuffer_kept }
+                [instances positions attributes indices materials second_uvs environment textures previous_gbuffer previous_points]
+                [] [gbuffer radiance points])
             (presample Tiles { compute() presample }
                 [lights alias] [] [tile_entries tile_points])
             (learn_beliefs Beliefs { compute() learn_beliefs }
@@ -41,7 +51,7 @@ macro_rules! passes {
             (observe Pixels { compute() observe }
                 [lights tree_leaves gbuffer merged] [] [] [observations findings])
             (temporal Reservoirs { known() temporal, traced(shadow previous) temporal_traced }
-                [lights alias gbuffer previous_gbuffer history previous_lights motions previous_to_current current_to_previous] [merged] [])
+                [lights alias gbuffer previous_gbuffer history aims previous_lights motions previous_to_current current_to_previous] [merged] [])
             (spatial Reservoirs { known() spatial, traced(shadow) spatial_traced }
                 [lights alias gbuffer reservoirs] [] [merged])
             (pair_targets Reservoirs { traced(shadow) pair_targets }

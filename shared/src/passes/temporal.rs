@@ -1,15 +1,17 @@
 //! Merges the reservoir with which the same surface point ended the previous frame: by 1/M (Bitterli et al. 2020, Alg. 4), or by
-//! pairwise MIS with up to two rays. Where nothing has moved, history and pixel see the same point, and no ray is needed.
+//! pairwise MIS with up to two rays. Where history and pixel see the same point of a scene in which nothing has moved, no ray is needed.
 
 use super::{At, Question, Visibility, Witness, variant};
 use crate::alias_table::AliasEntry;
 use crate::alpha::SURE_HITS_ONLY;
 use crate::light::{Light, Lights};
 use crate::motion::{InstanceMotion, PastLights};
+use crate::points::Aim;
 use crate::resampling::pairwise::Pairwise;
 use crate::resampling::reprojection::{Before, similar_at};
 use crate::resampling::{CrossProposal, Survivor, UniformMerge, moving, reservoir_index, target_of};
 use crate::reservoir::StoredReservoir;
+use crate::resources::Extent;
 use crate::rng::{Stream, unit_f32};
 use crate::surface::GBufferTexel;
 
@@ -24,6 +26,7 @@ pub fn temporal<V: Visibility>(
     gbuffer: &[GBufferTexel],
     previous_gbuffer: &[GBufferTexel],
     history: &[StoredReservoir],
+    aims: &[Aim],
     previous_lights: &[Light],
     motions: &[InstanceMotion],
     previous_to_current: &[u32],
@@ -36,27 +39,38 @@ pub fn temporal<V: Visibility>(
         return current;
     }
     let surface = at.surface(&texel);
-    let mut before = Before::still(frame, &surface);
-    if moving {
-        before = before.moved(&surface, &motions[texel.instance as usize]);
-    }
-    let Some(place) = before.place(frame) else {
-        note.place(None, false);
-        return current;
+    let lasts = if at.is(variant::LASTING) {
+        aims[at.index(Extent::Pixels)].source().map(|source| frame.pixel_at(source))
+    } else {
+        None
     };
-    let previous_texel = previous_gbuffer[frame.pixel_index(place.pixel) as usize];
-    let similar = similar_at(frame, &surface, before, place, &previous_texel);
-    note.place(Some(place.pixel), similar);
-    if !similar {
+    let (pixel, found) = match lasts {
+        Some(pixel) => (pixel, true),
+        None => {
+            let mut before = Before::still(frame, &surface);
+            if moving {
+                before = before.moved(&surface, &motions[texel.instance() as usize]);
+            }
+            let Some(place) = before.place(frame) else {
+                note.place(None, false);
+                return current;
+            };
+            let previous_texel = previous_gbuffer[frame.pixel_index(place.pixel) as usize];
+            (place.pixel, similar_at(frame, &surface, before, place, &previous_texel))
+        }
+    };
+    note.place(Some(pixel), found);
+    if !found {
         return current;
     }
+    let previous_texel = previous_gbuffer[frame.pixel_index(pixel) as usize];
     let table = at.light_table(lights, alias);
     let past = PastLights {
         lights: Lights { lights: previous_lights, features: at.features },
         previous_to_current,
         current_to_previous,
     };
-    let history = history[reservoir_index(frame, place.pixel, at.lane) as usize]
+    let history = history[reservoir_index(frame, pixel, at.lane) as usize]
         .capped(frame.settings.confidence_cap * current.confidence);
     let random = at.rng(Stream::Temporal).next_u32x4();
     if !at.is(variant::UNBIASED) {
@@ -68,11 +82,11 @@ pub fn temporal<V: Visibility>(
         note.merged(history, at_history, merge.add(history, at_history, unit_f32(random.y)));
         return merge.finish();
     }
-    let there = previous_texel.unpack(&frame.previous_camera, place.pixel, frame.size);
+    let there = previous_texel.unpack(&frame.previous_camera, pixel, frame.size);
     let mut cross = if moving {
         moving::cross(table, past, &surface, current, &there, history)
     } else {
-        let same_point = there.is_same_point(&surface).into();
+        let same_point = (lasts.is_some() || there.is_same_point(&surface)).into();
         CrossProposal { same_point, ..CrossProposal::new(table, &surface, current, &there, history) }
     };
     note.cross(&mut cross);

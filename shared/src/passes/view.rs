@@ -58,7 +58,7 @@ pub fn view(
         }
     }
     let color = if shown_kind == kind::FEATURES && !texel.is_empty() {
-        features_color(&materials[instances[texel.instance as usize].material as usize])
+        features_color(&materials[instances[texel.instance() as usize].material as usize])
     } else {
         color(shown_kind, at.constants.scale, at.frame, &shown)
     };

@@ -104,6 +104,12 @@ fn rays_left_out_are_seen() {
 }
 
 #[test]
+fn a_point_taken_for_another_is_seen() {
+    let temporal = Settings { temporal: 1, candidates: 16, ..unbiased() };
+    is_seen(Plant::OtherPoint, screened(world::points()).with_points_that_last(), temporal, 4);
+}
+
+#[test]
 fn faults_of_pairs_are_seen() {
     let pairs =
         Settings { pairs: 1, spatial: 1, spatial_iterations: 4, radius: 8.0, candidates: 16, ..unbiased() };

@@ -137,6 +137,18 @@ fn all_kinds_together() {
     matrix(world::together());
 }
 
+/// A camera that moves takes its points along: what was seen of one is known.
+#[test]
+fn points_that_last() {
+    for lights in [world::points(), world::together()] {
+        let world = World::new(lights.somewhere).behind_a_screen().with_points_that_last();
+        let kept = world.view(1).aims.iter().filter(|aim| aim.source().is_some()).count();
+        assert!(kept > 120, "{kept} of 192 points last");
+        check(&world, in_mode(mode::UNBIASED, reuse_cases()));
+        check(&world, pair_cases());
+    }
+}
+
 /// BSDF candidates alone and under every kind of reuse.
 fn found_cases() -> Vec<Case> {
     let found = Settings { bsdf_candidates: 1, visibility_reuse: 1, ..base() };

@@ -17,6 +17,7 @@ use shared::motion::NO_LIGHT;
 use shared::passes::pair_targets::PairTargets;
 use shared::passes::{self, Assumed, At, Question, Technique, Visibility, Witness, variant};
 use shared::pdf::SourcePdf;
+use shared::points::Aim;
 use shared::reflected::Reflected;
 use shared::resampling::CrossProposal;
 use shared::resampling::initial::Candidate;
@@ -102,6 +103,7 @@ impl<'a> Sequence<'a> {
             gbuffer: &view.gbuffer,
             previous_gbuffer: &before.gbuffer,
             history: &self.history,
+            aims: &view.aims,
             ..Buffers::default()
         };
         let frame = Frame {
@@ -189,7 +191,8 @@ impl Frame<'_> {
             features: self.features,
             variant: unbiased
                 | if tiles != 0 { variant::TILED } else { 0 }
-                | if cells != 0 { variant::CELLS } else { 0 },
+                | if cells != 0 { variant::CELLS } else { 0 }
+                | if self.buffers.aims.is_empty() { 0 } else { variant::LASTING },
             pixel,
             lane,
         }
@@ -273,6 +276,13 @@ impl Frame<'_> {
             let cap = settings.confidence_cap * settings.candidates as f32;
             history.iter_mut().for_each(|h| h.contribution_weight *= (h.confidence / cap).max(1.0));
         }
+        let mut aims = b.aims.to_vec();
+        if self.is(Plant::OtherPoint) {
+            let count = aims.len() as u32;
+            aims.iter_mut().for_each(|aim| {
+                *aim = aim.source().map_or(*aim, |i| Aim::at_point(aim.place, (i + 1) % count));
+            });
+        }
         self.each(0, |at, note, i| {
             self.unnormalized(passes::temporal(
                 at,
@@ -283,6 +293,7 @@ impl Frame<'_> {
                 b.gbuffer,
                 b.previous_gbuffer,
                 &history,
+                &aims,
                 b.previous_lights,
                 b.motions,
                 b.previous_to_current,

@@ -33,6 +33,8 @@ pub enum Plant {
     HistoryRay,
     PendingRay,
     SurvivorRay,
+    /// The point of a pixel beside it is confirmed as the pixel's own.
+    OtherPoint,
     /// Neighbors that see the sample are taken for blind, and the other way round.
     PendingInverted,
     /// The ray to the partner's sample, where that is merged, and where the partner weighs its own by the answer.

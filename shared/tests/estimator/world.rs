@@ -8,6 +8,8 @@ use shared::interface::HitPayload;
 use shared::light::tree::{self, Tree};
 use shared::light::{Light, LightTable, Lights, UNTRACEABLE, build_alias_table, kind};
 use shared::material::Reflectance;
+use shared::math::{CENTER, pack_place, unpack_place};
+use shared::points::Aim;
 use shared::shadow::ShadowRay;
 use shared::surface::{GBufferTexel, Surface};
 
@@ -21,6 +23,8 @@ pub struct View {
     pub camera: Camera,
     pub gbuffer: Vec<GBufferTexel>,
     pub surfaces: Vec<Surface>,
+    /// Of points that last; empty where all lie behind pixels' centers.
+    pub aims: Vec<Aim>,
 }
 
 #[derive(Clone)]
@@ -35,6 +39,8 @@ pub struct World {
     pub tree: Tree,
     /// A square screen at y = 0.25, |x| < 0.6, |z| < 0.6, which only shadow rays meet.
     pub screen: bool,
+    /// Odd frames shade the points of even frames that fall into their pixels, and even ones those again.
+    pub lasting: bool,
 }
 
 impl World {
@@ -49,6 +55,7 @@ impl World {
             tree: tree::build(&lights),
             lights,
             screen: false,
+            lasting: false,
         }
     }
 
@@ -60,6 +67,10 @@ impl World {
 
     pub fn behind_a_screen(self) -> Self {
         World { screen: true, ..self }
+    }
+
+    pub fn with_points_that_last(self) -> Self {
+        World { lasting: true, ..self }
     }
 
     pub fn reflecting(self, metallic: f32, roughness: f32) -> Self {
@@ -80,13 +91,38 @@ impl World {
     /// What even (0) or odd (1) frames see.
     pub fn view(&self, parity: u32) -> View {
         let camera = Camera::new(self.eyes[parity as usize], self.forward, Vec3::Y, 0.8, self.size);
-        let gbuffer: Vec<_> = self.pixels().map(|pixel| self.texel(&camera, pixel)).collect();
+        let aims = self.aims(parity);
+        let place = |i: usize| aims.get(i).map_or(CENTER, |aim| aim.place);
+        let texels = self.pixels().enumerate().map(|(i, pixel)| self.texel(&camera, pixel, place(i)));
+        let gbuffer: Vec<_> = texels.collect();
         let surfaces = self.pixels().zip(&gbuffer).map(|(p, t)| t.unpack(&camera, p, self.size)).collect();
-        View { camera, gbuffer, surfaces }
+        View { camera, gbuffer, surfaces, aims }
     }
 
-    fn texel(&self, camera: &Camera, pixel: UVec2) -> GBufferTexel {
-        let direction = camera.direction(pixel.as_vec2() + 0.5, self.size);
+    fn aims(&self, parity: u32) -> Vec<Aim> {
+        if !self.lasting {
+            return Vec::new();
+        }
+        let centers = World { lasting: false, ..self.clone() };
+        let [even, odd] = [0, 1].map(|parity| centers.view(parity));
+        let mut aims = [(); 2].map(|()| vec![Aim::anew(CENTER); even.surfaces.len()]);
+        for (i, surface) in even.surfaces.iter().enumerate() {
+            let at = odd.camera.project(surface.position - odd.camera.position, self.size);
+            if at.cmplt(Vec2::ZERO).any() || at.cmpge(self.size.as_vec2()).any() {
+                continue;
+            }
+            let pixel = at.as_uvec2();
+            let j = (pixel.y * self.size.x + pixel.x) as usize;
+            if aims[1][j].source().is_none() {
+                aims[1][j] = Aim::at_point(pack_place(at - pixel.as_vec2()), i as u32);
+                aims[0][i] = Aim::at_point(CENTER, j as u32);
+            }
+        }
+        aims[parity as usize].clone()
+    }
+
+    fn texel(&self, camera: &Camera, pixel: UVec2, place: u32) -> GBufferTexel {
+        let direction = camera.direction(pixel.as_vec2() + unpack_place(place), self.size);
         let position = camera.position - direction * (camera.position.y / direction.y);
         let point = SurfacePoint {
             position,
@@ -97,7 +133,7 @@ impl World {
             uv: Vec2::ZERO,
             color: Vec3::ONE,
         };
-        GBufferTexel::new(&point, Vec3::Y, self.reflectance, 0, camera.position)
+        GBufferTexel::new(&point, Vec3::Y, self.reflectance, 0, camera.position).seen_through(place)
     }
 
     /// Does the segment miss the screen?

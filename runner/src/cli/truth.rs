@@ -1,0 +1,47 @@
+//! `candela render --truth`: what a picture should have shown.
+
+use super::render::RenderArgs;
+use crate::error::{Error, Result};
+use crate::frame::renderer::{FrameOptions, Renderer};
+use crate::frame::schedule::Work;
+use crate::image_io::{self, PictureFormat};
+use crate::measure::mean::Mean;
+use crate::measure::sweep::truth::Lighting;
+use shared::camera::Camera;
+use std::path::Path;
+
+/// Checks, before any work is done, that a truth can be written to `path`, the first of a sequence.
+pub fn check(args: &RenderArgs, path: Option<&Path>) -> Result<()> {
+    let Some(path) = path else { return Ok(()) };
+    let shown = path.display();
+    if image_io::check_writable(path)? != PictureFormat::Exr {
+        return Err(Error::Usage(format!("--truth {shown}: a truth is radiance: name it .exr")));
+    }
+    if path == args.picture.output {
+        return Err(Error::Usage(format!("--truth {shown}: the picture goes there")));
+    }
+    Ok(())
+}
+
+/// Writes the sum over all lights at the points that the last frame of `renderer`, seen from `camera`, shaded. Where lights have an
+/// extent or something is transparent, the mean of `samples` such sums. The frame after it knows nothing of it.
+pub fn write(
+    path: &Path,
+    samples: u32,
+    renderer: &mut Renderer,
+    camera: Camera,
+    options: &FrameOptions,
+) -> Result<()> {
+    let lighting = Lighting::new(renderer.scene(), options.primary);
+    let mut mean = Mean::new(renderer.size());
+    for sample in 0..if lighting.is_exact() { 1 } else { samples } {
+        let work = Work::Truth { lights: lighting.lights };
+        let seed = options.seed.wrapping_add(SEED + sample);
+        renderer.render(camera, &FrameOptions { work, seed, ..*options })?;
+        mean.add(&renderer.radiance()?);
+    }
+    image_io::write_exr(path, renderer.size(), &mean.radiance())
+}
+
+/// Far from the seed of what is judged.
+const SEED: u32 = 0x7472_7574;

@@ -1,0 +1,114 @@
+//! Where the points of the previous frame fall, and where each pixel looks: see [`crate::points`].
+
+use super::{At, variant};
+use crate::counters::Counters;
+use crate::frame::FrameConstants;
+use crate::geometry::InstanceGeometry;
+use crate::math::CENTER;
+use crate::points::{Aim, Caught, ScenePoint, Triangles};
+use crate::resources::Extent;
+use crate::rng::hash;
+use glam::{IVec2, UVec2, UVec4, Vec2, Vec3};
+
+/// A pixel without a catch looks for others' so many pixels away.
+const REACH: u32 = 2;
+/// How far from its center, along each axis, a pixel shades a point that a neighbor caught, pixels.
+const BORROWED: f32 = 1.0;
+/// Frames in which each pixel has one turn: to get a point of its own in the place of a borrowed one, and at rest to return to its
+/// center. Measured in docs/performance.md.
+pub const TURNS: u32 = 16;
+
+/// Throws the point of a pixel of the previous frame into the pixel that it falls into now.
+pub fn scatter(
+    at: At<'_>,
+    instances: &[InstanceGeometry],
+    positions: &[Vec3],
+    indices: &[u32],
+    previous_points: &[ScenePoint],
+    mut caught: Counters<'_>,
+) {
+    let (frame, source) = (at.frame, at.index(Extent::Pixels) as u32);
+    let triangles = Triangles { instances, positions, indices };
+    if let Some(shown) = triangles.shown(frame, &previous_points[source as usize]) {
+        let word = Caught::new(source, frame.pixels(), shown.distance);
+        caught.max(frame.pixel_index(shown.pixel(frame.size)), word.0);
+    }
+}
+
+/// Where a pixel's ray goes.
+pub fn aim(
+    at: At<'_>,
+    instances: &[InstanceGeometry],
+    positions: &[Vec3],
+    indices: &[u32],
+    previous_points: &[ScenePoint],
+    caught: &[u32],
+) -> Aim {
+    let frame = at.frame;
+    let has_turn = has_turn(frame, at.pixel);
+    if has_turn && at.is(variant::RESTS) {
+        return Aim::anew(CENTER);
+    }
+    let triangles = Triangles { instances, positions, indices };
+    let center = at.pixel.as_vec2() + 0.5;
+    let mut distance = BORROWED;
+    let mut nearest = Aim::anew(CENTER);
+    let mut lattice = Aim::anew(CENTER);
+    let mut found = 0;
+    let mut i = 0;
+    while i < (2 * REACH + 1) * (2 * REACH + 1) {
+        let offset = IVec2::new(alternating(i % (2 * REACH + 1)), alternating(i / (2 * REACH + 1)));
+        let pixel = at.pixel.as_ivec2() + offset;
+        let inside = pixel.cmpge(IVec2::ZERO).all() && pixel.cmplt(frame.size.as_ivec2()).all();
+        // What is two pixels away is too far to be borrowed.
+        if inside && (found == 0 || offset.abs().max_element() < 2) {
+            let pixel = pixel.as_uvec2();
+            let caught = Caught(caught[frame.pixel_index(pixel) as usize]);
+            if let Some(source) = caught.source(frame.pixels())
+                && let Some(shown) = triangles.shown(frame, &previous_points[source as usize])
+            {
+                if i == 0 {
+                    return Aim::at_point(shown.place_in(pixel), source);
+                }
+                if found == 0 {
+                    lattice = Aim::anew(shown.place_in(pixel));
+                }
+                found += 1;
+                let far = (shown.at - center).abs().max_element();
+                if far < distance {
+                    distance = far;
+                    nearest = Aim::at_point(shown.place_in(at.pixel), source);
+                }
+            }
+        }
+        i += 1;
+    }
+    if was_background(at, previous_points) {
+        Aim::anew(CENTER)
+    } else if distance < BORROWED && !has_turn {
+        nearest
+    } else {
+        lattice
+    }
+}
+
+/// Did the previous frame see nothing where this pixel looks, very far away? What has no points borrows none: outlines before the
+/// sky would grow.
+fn was_background(at: At<'_>, previous_points: &[ScenePoint]) -> bool {
+    let frame = at.frame;
+    let direction = frame.camera.direction(at.pixel.as_vec2() + 0.5, frame.size);
+    let place = frame.previous_camera.project(direction, frame.size);
+    let inside = place.cmpge(Vec2::ZERO).all() && place.cmplt(frame.size.as_vec2()).all();
+    inside && previous_points[frame.pixel_index(place.as_uvec2().min(frame.size - 1)) as usize].is_none()
+}
+
+/// Is this the frame, one of [`TURNS`], in which `pixel` gets a new point?
+fn has_turn(frame: &FrameConstants, pixel: UVec2) -> bool {
+    hash(UVec4::new(pixel.x, pixel.y, 0, 0)).x.wrapping_add(frame.index).is_multiple_of(TURNS)
+}
+
+/// 0, -1, 1, -2, 2 ...
+fn alternating(i: u32) -> i32 {
+    let size = i.div_ceil(2) as i32;
+    if i % 2 == 1 { -size } else { size }
+}
