@@ -115,12 +115,7 @@ fn recipes_name_every_place() {
         (
             "accumulate",
             &gpu[..],
-            &[
-                "shaders/src/lib.rs",
-                "shared/src/passes/accumulate.rs",
-                "shared/src/passes/mod.rs",
-                "shared/src/passes/table.rs",
-            ][..],
+            &["shared/src/passes/accumulate.rs", "shared/src/passes/mod.rs", "shared/src/passes/table.rs"][..],
             &[][..],
         ),
         (
