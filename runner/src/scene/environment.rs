@@ -32,6 +32,9 @@ pub const MAX_SIZE: UVec2 = UVec2::new(1024, 512);
 /// Widest and highest map that is read, and most texels.
 const MAX_SIDE: u32 = 16384;
 const MAX_TEXELS: u32 = MAX_SIDE * MAX_SIDE / 2;
+/// Most texels of an OpenEXR for each of its bytes: one color all over, compressed by PIZ, has 5,000. A header of 300 bytes may
+/// claim them all.
+const MAX_TEXELS_A_BYTE: u64 = 8192;
 
 /// Stands for infinity, which half floats make of what they can't hold: their largest number.
 const LARGEST: f32 = 65504.0;
@@ -132,6 +135,11 @@ fn decode(bytes: &[u8]) -> Result<Picture, String> {
     // Before the texels, which a broken file may have very many of.
     let size = UVec2::from(reader().into_dimensions().map_err(|error| error.to_string())?);
     check_size(size)?;
+    let UVec2 { x, y } = size;
+    let claimed = u64::from(x) * u64::from(y);
+    if format == ImageFormat::OpenExr && claimed > MAX_TEXELS_A_BYTE * bytes.len() as u64 {
+        return Err(format!("{x} x {y} px in {} bytes: its header is broken, or it is cut off", bytes.len()));
+    }
     let texels = reader().decode().map_err(|error| error.to_string())?.into_rgb32f();
     let value = |texel: [f32; 3]| Vec3::from(if encoded { texel.map(srgb_to_linear) } else { texel });
     Ok(Picture { size, radiance: texels.pixels().map(|p| value(p.0)).collect(), encoded })
@@ -344,6 +352,30 @@ mod tests {
             assert!((sum / expected - 1.0).abs() < 1e-5, "{degrees} degrees: {sum}");
             assert!(odd.radiance.iter().filter(|l| l.x > 1e-6).count() <= 2, "{degrees}");
         }
+    }
+
+    /// A small file that claims the largest map is refused before memory is taken.
+    #[test]
+    fn a_header_alone_is_no_map() {
+        let path = file("claims.exr", &[]);
+        image_io::write_exr(&path, UVec2::new(2, 1), &[Vec3::ONE; 2]).unwrap();
+        let mut bytes = std::fs::read(&path).unwrap();
+        assert!(load(&path, 1.0).is_ok());
+        // Both windows: xMin, yMin, xMax, yMax of 2 x 1 texels.
+        let window = [0i32, 0, 1, 0].map(i32::to_le_bytes).concat();
+        let largest = [0i32, 0, 16383, 8191].map(i32::to_le_bytes).concat();
+        let places: Vec<usize> = (0..bytes.len() - 16).filter(|&i| bytes[i..i + 16] == window[..]).collect();
+        assert_eq!(places.len(), 2);
+        places.iter().for_each(|&i| bytes[i..i + 16].copy_from_slice(&largest));
+        let name = b"chunkCount\0int\0";
+        let chunks = bytes.windows(name.len()).position(|w| w == name).unwrap() + name.len() + 4;
+        // By the compression: of so many rows, or tiles of 64 x 64.
+        let errors = [8192, 512, 256, 32, 256 * 128].map(|count| {
+            bytes[chunks..chunks + 4].copy_from_slice(&i32::to_le_bytes(count));
+            std::fs::write(&path, &bytes).unwrap();
+            load(&path, 1.0).unwrap_err().to_string()
+        });
+        assert!(errors.iter().any(|error| error.contains("16384 x 8192 px in")), "{errors:?}");
     }
 
     #[test]
