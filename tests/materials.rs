@@ -4,7 +4,7 @@ use candela::frame::pipelines::hit_groups;
 use candela::frame::renderer::Renderer;
 use candela::gpu_scene::GpuScene;
 use candela::gpu_scene::arrays::SceneArrays;
-use candela::gpu_scene::memory::costs;
+use candela::gpu_scene::memory::{costs, light_tree};
 use candela::scene::lights::{LightEdits, LightTable};
 use candela::scene::{AlphaMode, Environment, Filter, Image, Material, PointLight, Primitive, Texture, Wrap};
 use glam::{Affine3A, UVec2, Vec2, Vec3};
@@ -250,6 +250,7 @@ fn a_light_tree_is_made_for_those_who_draw_from_it() {
     let drawn = Settings { cells: 1, ..Settings::default() };
     restir(&mut renderer, camera(SIZE), drawn, 2, 1);
     assert_eq!(added(&renderer, bytes), 5 * 32 + 3 * 8);
+    assert_eq!(light_tree(&LightTable::new(&lit(3))).bytes, 5 * 32 + 3 * 8);
     renderer.replace_lights(&lit(5), &LightEdits::default()).unwrap();
     // This frame stages the change.
     restir(&mut renderer, camera(SIZE), Settings::default(), 1, 1);

@@ -7,6 +7,7 @@ use crate::error::Result;
 use crate::gpu_scene::GpuScene;
 use crate::gpu_scene::arrays::SceneArrays;
 use crate::gpu_scene::memory::{self, Cost};
+use crate::knobs::Knobs;
 use crate::scene::lights::LightTable;
 use crate::scene::{AlphaMode, Material, Primitive, SceneDescription, Workflow, emission};
 use crate::vulkan::executables::Executable;
@@ -15,6 +16,7 @@ use clap::Args;
 use glam::{DVec3, Vec3};
 use serde::Serialize;
 use shared::frame::features;
+use shared::light::count::LightCount;
 
 /// Everything that is said of a scene.
 #[derive(Debug, Serialize)]
@@ -63,6 +65,10 @@ pub fn run(args: &InfoArgs) -> Result<()> {
     let arrays = SceneArrays::new(&scene, &lights)?;
     let bounds = scene.bounds();
     let in_file = |p: Vec3| (scene.origin + p.as_dvec3()).to_array();
+    let mut memory = memory::costs(&scene, &lights, &arrays);
+    if Knobs::default().settings(LightCount::of(&lights.lights)).cells != 0 {
+        memory.push(memory::light_tree(&lights));
+    }
     let on_device = on_device(args, &scene)?;
     let info = Info {
         name: scene.name.clone(),
@@ -76,7 +82,7 @@ pub fn run(args: &InfoArgs) -> Result<()> {
         lights: lights.lights.len(),
         flux: lights.lights.iter().map(|light| f64::from(light.power)).sum(),
         features: features(&scene, &arrays),
-        memory: memory::costs(&scene, &lights, &arrays),
+        memory,
         acceleration_structures: on_device.acceleration,
         pipelines: on_device.pipelines,
         left_out: scene.warnings.clone(),

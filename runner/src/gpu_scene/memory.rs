@@ -6,6 +6,8 @@ use crate::scene::lights::LightTable;
 use crate::scene::{Image, SceneDescription};
 use serde::Serialize;
 use shared::environment::EnvironmentTexel;
+use shared::light::count::LightCount;
+use shared::light::tree::TreeNode;
 use shared::light::{KINDS, KindFacts, kind};
 use shared::material::slot;
 use std::collections::HashSet;
@@ -58,6 +60,18 @@ pub fn costs(scene: &SceneDescription, lights: &LightTable, arrays: &SceneArrays
     }
     costs.extend(images(scene));
     costs
+}
+
+/// The light tree, which the first frame with light cells makes.
+pub fn light_tree(lights: &LightTable) -> Cost {
+    let placed = LightCount::of(&lights.lights).placed as usize;
+    let nodes = (2 * placed).saturating_sub(1) * size_of::<TreeNode>();
+    let bytes = nodes + (placed + lights.lights.len()) * size_of::<u32>();
+    Cost {
+        feature: "light tree",
+        bytes: bytes as u64,
+        detail: format!("over {placed} lights, for light cells"),
+    }
 }
 
 fn geometry(arrays: &SceneArrays) -> Cost {

@@ -8,7 +8,9 @@ use std::ops::RangeInclusive;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LightCount {
     pub number: u32,
-    /// Those that are somewhere, over the area of the largest side of the box around them, 1/m²; infinite where that has none.
+    /// Those that are somewhere, in the light tree.
+    pub placed: u32,
+    /// They, over the area of the largest side of the box around them, 1/m²; infinite where that has none.
     pub per_m2: f32,
 }
 
@@ -21,18 +23,18 @@ impl LightCount {
         }
         let number = lights.len() as u32;
         if placed == 0 {
-            return LightCount { number, per_m2: 0.0 };
+            return LightCount { number, placed, per_m2: 0.0 };
         }
         let side = high - low;
         let area = (side * Vec3::new(side.y, side.z, side.x)).max_element();
-        LightCount { number, per_m2: placed as f32 / area }
+        LightCount { number, placed, per_m2: placed as f32 / area }
     }
 }
 
 /// Lights that are far apart.
 impl From<u32> for LightCount {
     fn from(number: u32) -> Self {
-        LightCount { number, per_m2: 0.0 }
+        LightCount { number, placed: number, per_m2: 0.0 }
     }
 }
 
@@ -59,17 +61,17 @@ mod tests {
     fn lights_are_counted_over_the_largest_side_of_their_box() {
         let point = |x: f32, y: f32, z: f32| Light::point(Vec3::new(x, y, z), Vec3::ONE);
         let corners = [point(0.0, 0.0, 0.0), point(4.0, 1.0, 5.0)];
-        assert_eq!(LightCount::of(&corners), LightCount { number: 2, per_m2: 0.1 });
-        assert_eq!(LightCount::of(&corners[..1]), LightCount { number: 1, per_m2: f32::INFINITY });
+        assert_eq!(LightCount::of(&corners), LightCount { number: 2, placed: 2, per_m2: 0.1 });
+        assert_eq!(LightCount::of(&corners[..1]), LightCount { number: 1, placed: 1, per_m2: f32::INFINITY });
         let sun = Light::directional(Vec3::Y, Vec3::ONE, 9.0);
-        assert_eq!(LightCount::of(&[sun, sun, sun]), LightCount { number: 3, per_m2: 0.0 });
+        assert_eq!(LightCount::of(&[sun, sun, sun]), LightCount { number: 3, placed: 0, per_m2: 0.0 });
         assert_eq!(LightCount::of(&[]), LightCount::default());
     }
 
     #[test]
     fn many_lights_have_to_be_sparse() {
         let condition = Condition { number: 2..=u32::MAX, sparse: Some((100, 0.5)) };
-        let holds = |number, per_m2| condition.holds(LightCount { number, per_m2 });
+        let holds = |number: u32, per_m2| condition.holds(LightCount { per_m2, ..number.into() });
         assert!(holds(2, f32::INFINITY) && holds(99, 9.0) && holds(100, 0.5));
         assert!(!holds(1, 0.1) && !holds(100, 0.6) && !holds(100, f32::INFINITY));
     }
