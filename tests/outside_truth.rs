@@ -5,19 +5,21 @@
 //! normal or another texel of the sky than its middle does, or the edge of a hard shadow is within a millimetre, a rounding
 //! decides what is seen: those pixels (alpha 0 in the references) are not compared.
 
+use candela::frame::schedule::Work;
 use candela::measure::mean::Mean;
 use candela::measure::metrics::{metrics, with_flip};
 use candela::scene::{PlacedLight, SceneDescription, interchange};
-use glam::{Affine3A, DAffine3, IVec2, UVec2, Vec3};
+use glam::{Affine3A, DAffine3, IVec2, UVec2, Vec3, Vec4};
 use shared::camera::Camera;
 use shared::frame::{Settings, mode};
+use shared::interface::UNBOUNDED;
 use shared::light::kind;
 use shared::material::slot;
 use shared::math::luminance;
 use std::path::{Path, PathBuf};
 use tests::failure;
-use tests::gpu::{Gpu, assert_no_validation_messages, device, reference, renderer, restir, small};
-use tests::outside::{SIZE, all, named};
+use tests::gpu::{Gpu, assert_no_validation_messages, device, options, reference, renderer, restir, small};
+use tests::outside::{SIZE, all, bounced, named};
 use tests::statistics::{largest_z, mean_and_error};
 
 /// Of the mean of the picture away from edges.
@@ -47,8 +49,8 @@ impl Truth {
 }
 
 /// For each pixel the largest value of it and its eight neighbors.
-fn largest_around(values: &[f64]) -> Vec<f64> {
-    let size = SIZE.as_ivec2();
+fn largest_around(values: &[f64], size: UVec2) -> Vec<f64> {
+    let size = size.as_ivec2();
     let value = |p: IVec2| {
         let inside = p.cmpge(IVec2::ZERO).all() && p.cmplt(size).all();
         if inside { values[(p.y * size.x + p.x) as usize] } else { 0.0 }
@@ -73,7 +75,7 @@ struct Comparison {
 
 impl Comparison {
     fn new(mean: &Mean, truth: &Truth) -> Self {
-        let (ours, errors) = (mean.radiance(), largest_around(&mean.standard_errors()));
+        let (ours, errors) = (mean.radiance(), largest_around(&mean.standard_errors(), SIZE));
         let compared: Vec<usize> = (0..ours.len()).filter(|&i| truth.away_from_edges[i]).collect();
         let l = |picture: &[Vec3], i: usize| f64::from(luminance(picture[i]));
         let sum = |of: &dyn Fn(usize) -> f64| compared.iter().map(|&i| of(i)).sum::<f64>();
@@ -170,6 +172,114 @@ fn the_reference_agrees_with_mitsuba() {
         assert!(comparison.pixels > 2000, "{}: {} pixels are left to compare", scene.name, comparison.pixels);
     }
     assert!(failed.is_empty(), "{}", failed.join("\n"));
+    assert_no_validation_messages(&device);
+}
+
+/// Of pictures of light that bounces.
+const BOUNCED_SIZE: UVec2 = UVec2::new(32, 24);
+/// Paths of ours of each pixel.
+const PATHS: u32 = 1024;
+const PATHS_A_FRAME: u32 = 32;
+/// Of the mean of bounced light, beside [`SIGMAS`] standard errors of both programs.
+const BOUNCED_MEAN_TOLERANCE: f64 = 3e-3;
+
+/// Bounced light of ours against Mitsuba's; both are noisy, and say how much.
+struct Bounced {
+    mean_ratio: f64,
+    /// What the ratio's distance from 1 is to be compared with.
+    mean_error: f64,
+    /// Largest error of a pixel in units of what is allowed, and where.
+    worst: (f64, UVec2),
+    pixels: usize,
+}
+
+impl Bounced {
+    fn new(mean: &Mean, truth: &[Vec4]) -> Self {
+        let compared: Vec<usize> = (0..truth.len()).filter(|&i| truth[i].w > 0.0).collect();
+        let (ours, errors) = (mean.radiance(), mean.standard_errors());
+        let l = |c: Vec3| f64::from(luminance(c));
+        let error = |i: usize| errors[i].hypot(f64::from(truth[i].w));
+        let around = largest_around(&(0..truth.len()).map(error).collect::<Vec<_>>(), BOUNCED_SIZE);
+        let sum = |of: &dyn Fn(usize) -> f64| compared.iter().map(|&i| of(i)).sum::<f64>();
+        let total = sum(&|i| l(truth[i].truncate()));
+        let bright = total / compared.len() as f64;
+        let excess = |i: usize| {
+            let (a, b) = (l(ours[i]), l(truth[i].truncate()));
+            (a - b).abs() / (PIXEL_TOLERANCE.0 * b + PIXEL_TOLERANCE.1 * bright + SIGMAS * around[i])
+        };
+        let worst = compared.iter().map(|&i| (excess(i), i)).max_by(|a, b| a.0.total_cmp(&b.0));
+        let (excess, at) = worst.expect("something to compare");
+        Bounced {
+            mean_ratio: sum(&|i| l(ours[i])) / total,
+            mean_error: sum(&|i| error(i).powi(2)).sqrt() / total,
+            worst: (excess, UVec2::new(at as u32 % BOUNCED_SIZE.x, at as u32 / BOUNCED_SIZE.x)),
+            pixels: compared.len(),
+        }
+    }
+
+    fn agrees(&self) -> bool {
+        (self.mean_ratio - 1.0).abs() < BOUNCED_MEAN_TOLERANCE + SIGMAS * self.mean_error
+            && self.worst.0 < 1.0
+    }
+}
+
+impl std::fmt::Display for Bounced {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Bounced { mean_ratio, mean_error, worst: (worst, at), pixels } = self;
+        write!(f, "| {mean_ratio:.4} | {:.2} % | {worst:.2} at {at} | {pixels} |", 100.0 * mean_error)
+    }
+}
+
+fn bounced_truth(name: &str) -> Vec<Vec4> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("references").join(name).with_extension("exr");
+    let picture = image::open(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display())).into_rgba32f();
+    assert_eq!(UVec2::from(picture.dimensions()), BOUNCED_SIZE, "{}", path.display());
+    picture.pixels().map(|p| Vec4::from_slice(&p.0)).collect()
+}
+
+fn our_paths(device: &Gpu, scene: &SceneDescription, bounces: u32) -> Mean {
+    let mut renderer = renderer(device, scene, BOUNCED_SIZE, 0);
+    let mut mean = Mean::new(BOUNCED_SIZE);
+    let view = &scene.cameras[0];
+    let camera = Camera::new(view.position, view.forward, view.up, view.fov_y, BOUNCED_SIZE);
+    for _ in 0..PATHS / PATHS_A_FRAME {
+        let work = Work::Paths { bounces, paths: PATHS_A_FRAME };
+        renderer.render(camera, &options(work, 0)).expect("the frame renders");
+        mean.add(&renderer.radiance().expect("the picture is read back"));
+    }
+    mean
+}
+
+#[test]
+fn light_that_bounces_agrees_with_mitsuba() {
+    let Some(device) = device() else { return };
+    let mut failed = Vec::new();
+    let depths = |(scene, depths): (SceneDescription, Vec<u32>)| {
+        depths.into_iter().map(move |bounces| (scene.clone(), bounces))
+    };
+    for (scene, bounces) in bounced().into_iter().flat_map(depths) {
+        let depth = if bounces == UNBOUNDED { "inf".into() } else { bounces.to_string() };
+        let name = format!("{}-bounces-{depth}", scene.name);
+        let comparison = Bounced::new(&our_paths(&device, &scene, bounces), &bounced_truth(&name));
+        println!("| {name} {comparison}");
+        if !comparison.agrees() {
+            failed.push(format!("{name} {comparison}"));
+        }
+    }
+    assert!(failed.is_empty(), "{}", failed.join("\n"));
+    // Planted errors, which the same comparison must refuse.
+    let cornell = named("cornell-box");
+    let mut bright = cornell.clone();
+    bright.materials.iter_mut().for_each(|material| material.base_color *= 1.03);
+    let planted = [
+        ("a bounce too many", &cornell, 2, "cornell-box-bounces-1"),
+        ("walls 3 % brighter", &bright, UNBOUNDED, "cornell-box-bounces-inf"),
+    ];
+    for (error, scene, bounces, truth) in planted {
+        let comparison = Bounced::new(&our_paths(&device, scene, bounces), &bounced_truth(truth));
+        println!("| {error} {comparison}");
+        assert!(!comparison.agrees(), "{error} was not seen: {comparison}");
+    }
     assert_no_validation_messages(&device);
 }
 
@@ -289,7 +399,7 @@ fn unbiased_resampling_agrees_with_mitsuba() {
 #[ignore = "writes to out/outside-truth"]
 fn export_scenes() {
     let out: PathBuf = Path::new(env!("CARGO_MANIFEST_DIR")).join("../out/outside-truth");
-    for scene in all() {
+    for scene in all().into_iter().chain(bounced().into_iter().map(|(scene, _)| scene)) {
         interchange::write(&scene, &scene.cameras[0], &out.join(&scene.name)).expect("the scene is written");
     }
 }

@@ -188,7 +188,7 @@ fn payloads_and_push_constants_have_one_layout() {
         let expected = match pass.stage() {
             Stage::RayTracing(Rays::Primary) => incoming("closest_hit"),
             Stage::RayTracing(Rays::Shadow) => incoming("shadow_miss"),
-            Stage::RayTracing(Rays::Both) => {
+            Stage::RayTracing(Rays::Both | Rays::Bounces) => {
                 incoming("closest_hit").into_iter().chain(incoming("shadow_miss")).collect()
             }
             Stage::Compute | Stage::Raster => vec![],

@@ -1,11 +1,12 @@
 //! What rays report: closest hit and misses; and the hits that transparent surfaces let through.
 
-use crate::textures::{Place, Textures, uv_sets};
+use crate::textures::{Bound, Textures};
 use shared::alpha::is_let_through;
 use shared::geometry::{InstanceGeometry, VertexAttributes, vertex_alpha};
 use shared::glam::Vec2;
 use shared::interface::{HitPayload, ShadowPayload};
 use shared::material::Material;
+use shared::textures::{Place, uv_sets};
 use spirv_std::arch::ignore_intersection;
 use spirv_std::spirv;
 
@@ -67,7 +68,7 @@ impl Transparency<'_> {
         let uvs = [attributes[0].uv, attributes[1].uv, attributes[2].uv];
         let uvs = uv_sets(self.features, uvs, self.second_uvs, corners);
         let material = self.materials[geometry.material as usize];
-        let texel = Place { uvs, barycentrics, features: self.features }.alpha(textures, &material);
+        let texel = Place { uvs, barycentrics, features: self.features }.alpha(Bound(textures), &material);
         let alpha = material.alpha * texel * vertex_alpha(attributes, barycentrics);
         is_let_through(&material, alpha, key, instance, primitive)
     }

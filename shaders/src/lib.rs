@@ -11,7 +11,7 @@ pub mod textures;
 pub mod trace;
 pub mod visibility;
 
-use crate::textures::Textures;
+use crate::textures::{Bound, Textures};
 use crate::trace::{Eye, Nearest, Previous, Traced};
 use shared::counters::Counters;
 use shared::frame::FrameConstants;
@@ -66,7 +66,7 @@ macro_rules! entry_rules {
             ([textures $d($read:ident)*] $update:tt $write:tt $count:tt [$d($params:tt)*] [$d($args:tt)*] $stores:tt $pass:tt) => {
                 entry! { [$d($read)*] $update $write $count
                     [$d($params)* #[spirv(descriptor_set = 0, binding = 32)] textures: &Textures,]
-                    [$d($args)* (read textures)] $stores $pass }
+                    [$d($args)* (texels textures)] $stores $pass }
             };
             ([] [] [] [] $params:tt $args:tt $stores:tt $pass:tt) => {
                 written! { $pass $params $args $stores }
@@ -104,6 +104,9 @@ macro_rules! written {
             #[spirv(ray_payload)] nearest: &mut HitPayload,]
             $stem $extent $body [Nearest { features, tlas, payload, nearest }, Silent,] $params $args $stores }
     };
+    (($body:ident $stem:ident $extent:ident bounced) $params:tt $args:tt $stores:tt) => {
+        written! { ($body $stem $extent traced shadow nearest) $params $args $stores }
+    };
     (($body:ident $stem:ident $extent:ident traced shadow previous) $params:tt $args:tt $stores:tt) => {
         function! { (ray_generation) (launch_id) id features
             [#[spirv(descriptor_set = 0, binding = 0)] tlas: &AccelerationStructure,
@@ -140,6 +143,9 @@ macro_rules! function {
 macro_rules! argument {
     (read $name:ident $index:ident) => {
         $name
+    };
+    (texels $name:ident $index:ident) => {
+        Bound($name)
     };
     (own $name:ident $index:ident) => {
         $name[$index]

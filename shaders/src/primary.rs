@@ -1,102 +1,20 @@
-//! What a pixel sees: the bodies of the passes that fill the G-buffer. They read images, so they stand here.
+//! What a pixel sees: the bodies of the passes that fill the G-buffer. They trace from the eye, so they stand here.
 
-use crate::textures::{Place, Textures, triangle, uv_sets};
+use crate::textures::Bound;
 use crate::trace::Eye;
 use shared::alpha;
-use shared::environment::{EnvironmentTexel, texel_of};
-use shared::frame::{FrameConstants, features};
+use shared::environment::EnvironmentTexel;
 use shared::geometry::{InstanceGeometry, VertexAttributes};
 use shared::glam::{UVec2, Vec2, Vec3};
-use shared::interface::HitPayload;
 use shared::material::Material;
 use shared::math::{CENTER, unpack_place};
 use shared::passes::At;
 use shared::points::{Aim, ScenePoint};
 use shared::raster;
-use shared::ray_cone::{self, Footprint};
 use shared::resources::Extent;
+use shared::scene::Scene;
 use shared::stored_ray::StoredRay;
-use shared::surface::{GBufferTexel, PrimaryHit};
-
-/// Scene buffers that tell what a ray from the eye met.
-#[derive(Clone, Copy)]
-pub struct Scene<'a> {
-    pub features: u32,
-    pub instances: &'a [InstanceGeometry],
-    pub positions: &'a [Vec3],
-    pub attributes: &'a [VertexAttributes],
-    pub indices: &'a [u32],
-    pub materials: &'a [Material],
-    pub second_uvs: &'a [Vec2],
-    pub environment: &'a [EnvironmentTexel],
-}
-
-impl Scene<'_> {
-    /// Where the ray along `direction` (unit) meets a triangle that it is known to meet.
-    fn hit(self, frame: &FrameConstants, direction: Vec3, instance: u32, primitive: u32) -> ScenePoint {
-        let geometry = self.instances[instance as usize];
-        let [a, b, c] = geometry.corners(self.indices, primitive);
-        let eye = frame.camera.position;
-        let corners = [
-            geometry.relative_to(eye, self.positions[a]),
-            geometry.relative_to(eye, self.positions[b]),
-            geometry.relative_to(eye, self.positions[c]),
-        ];
-        ScenePoint::new(instance, primitive, raster::barycentrics(corners, direction))
-    }
-
-    /// The surface at `hit`, if there is one, for a ray along `direction` (unit), and the radiance that is there unlit.
-    fn seen(
-        self,
-        textures: &Textures,
-        frame: &FrameConstants,
-        direction: Vec3,
-        hit: ScenePoint,
-    ) -> (GBufferTexel, Vec3) {
-        if hit.is_none() {
-            self.background(frame, direction)
-        } else {
-            self.surface(textures, frame, direction, hit)
-        }
-    }
-
-    fn surface(
-        self,
-        textures: &Textures,
-        frame: &FrameConstants,
-        direction: Vec3,
-        hit: ScenePoint,
-    ) -> (GBufferTexel, Vec3) {
-        let eye = frame.camera.position;
-        let geometry = self.instances[hit.instance() as usize];
-        let corners = geometry.corners(self.indices, hit.primitive);
-        let triangle = triangle(self.positions, self.attributes, corners);
-        let point = geometry.surface_point(triangle, hit.barycentrics);
-        let material = self.materials[geometry.material as usize];
-        let uvs = uv_sets(self.features, triangle.uvs(), self.second_uvs, corners);
-        let place = Place { uvs, barycentrics: hit.barycentrics, features: self.features };
-        let footprint = Footprint::new(
-            ray_cone::spread(&frame.camera, frame.size),
-            (point.position - eye).length(),
-            direction,
-            point.geometric_normal,
-            geometry.double_area(triangle.positions),
-        );
-        let texels = place.texels(textures, &material, footprint);
-        let seen = PrimaryHit { point, material, texels, features: self.features, instance: hit.instance() };
-        (seen.texel(eye), seen.emission(eye))
-    }
-
-    /// No surface, and the radiance that lies behind the scene along `direction` (unit).
-    fn background(self, frame: &FrameConstants, direction: Vec3) -> (GBufferTexel, Vec3) {
-        let radiance = if self.features & features::ENVIRONMENT != 0 {
-            self.environment[texel_of(direction, frame.environment_size) as usize].radiance
-        } else {
-            frame.background
-        };
-        (GBufferTexel::default(), radiance)
-    }
-}
+use shared::surface::GBufferTexel;
 
 /// A body that gives the G-buffer's texel, the radiance that needs no lighting (emission, background), and the point of the scene.
 /// `$first` and `$last` are its arguments before and after the scene's buffers. `$code` has the scene, and gives all it writes.
@@ -114,7 +32,7 @@ macro_rules! sees {
             materials: &[Material],
             second_uvs: &[Vec2],
             environment: &[EnvironmentTexel],
-            $textures: &Textures,
+            $textures: Bound<'_>,
             $($last: $last_type,)*
         ) -> $out {
             let features = $at.features;
@@ -133,9 +51,7 @@ fn direction(at: At<'_>, place: u32) -> Vec3 {
 /// What a ray from the eye meets.
 fn met(at: At<'_>, eye: Eye<'_>, direction: Vec3) -> ScenePoint {
     let key = alpha::primary_key(at.frame, at.pixel);
-    let HitPayload { hit, instance, primitive, barycentrics, .. } =
-        eye.trace(at.features, at.frame.camera.position, direction, key);
-    if hit != 0 { ScenePoint::new(instance, primitive, barycentrics) } else { ScenePoint::default() }
+    eye.trace(at.features, at.frame.camera.position, direction, key).into()
 }
 
 sees! {

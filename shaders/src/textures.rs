@@ -1,92 +1,26 @@
-//! What a hit's indices lead to: coordinates, texels.
+//! The scene's textures, as the hardware samples them.
 
-use shared::frame::features;
-use shared::geometry::{Triangle, VertexAttributes, interpolate};
-use shared::glam::{Vec2, Vec3, Vec4};
-use shared::material::{Material, MaterialTexels, NO_TEXTURE, slot};
-use shared::ray_cone::{Footprint, double_area};
+use shared::glam::{UVec2, Vec2, Vec4};
+use shared::textures::Texels;
 use spirv_std::RuntimeArray;
 use spirv_std::image::{Image2d, SampledImage};
 
 pub type Textures = RuntimeArray<SampledImage<Image2d>>;
 
-pub fn triangle(positions: &[Vec3], attributes: &[VertexAttributes], [a, b, c]: [usize; 3]) -> Triangle {
-    Triangle {
-        positions: [positions[a], positions[b], positions[c]],
-        attributes: [attributes[a], attributes[b], attributes[c]],
-    }
-}
-
-/// Both uv sets of a triangle's corners; the second one is the first in scenes that need no more.
-pub fn uv_sets(features: u32, first: [Vec2; 3], second: &[Vec2], [a, b, c]: [usize; 3]) -> UvSets {
-    if features & features::UV_MAPS == 0 {
-        return UvSets { first, second: first };
-    }
-    UvSets { first, second: [second[a], second[b], second[c]] }
-}
-
-/// Coordinates of a triangle's corners.
+/// The array that is bound.
 #[derive(Clone, Copy)]
-pub struct UvSets {
-    first: [Vec2; 3],
-    second: [Vec2; 3],
-}
+pub struct Bound<'a>(pub &'a Textures);
 
-impl UvSets {
-    /// At barycentric coordinates `b`: where the material's texture in `slot` is read, and twice the area that it has on
-    /// the triangle.
-    fn of_slot(&self, features: u32, material: &Material, slot: usize, b: Vec2) -> (Vec2, f32) {
-        if features & features::UV_MAPS == 0 {
-            return (interpolate(self.first, b), double_area(self.first));
-        }
-        let map = material.uv_maps[slot];
-        let corners = if map.set == 0 { self.first } else { self.second };
-        (map.apply(interpolate(corners, b)), double_area(corners) * map.area_scale())
-    }
-}
-
-/// A place on a triangle whose textures are read.
-#[derive(Clone, Copy)]
-pub struct Place {
-    pub uvs: UvSets,
-    pub barycentrics: Vec2,
-    pub features: u32,
-}
-
-impl Place {
-    /// The texel of the material's texture in `slot` at the level that `footprint` sees; white where it has none.
-    fn texel(&self, textures: &Textures, material: &Material, slot: usize, footprint: Footprint) -> Vec4 {
-        let index = material.textures[slot];
-        if index == NO_TEXTURE {
-            return Vec4::ONE;
-        }
-        let (uv, area) = self.uvs.of_slot(self.features, material, slot, self.barycentrics);
+impl Texels for Bound<'_> {
+    fn size(self, texture: u32) -> UVec2 {
         // SAFETY: the host writes only indices of textures that exist.
-        let texture = unsafe { textures.index(index as usize) };
-        texture.sample_by_lod(uv, footprint.lod(texture.query_size_lod(0), area))
+        let texture = unsafe { self.0.index(texture as usize) };
+        texture.query_size_lod(0)
     }
 
-    /// All that the material reads.
-    pub fn texels(&self, textures: &Textures, material: &Material, footprint: Footprint) -> MaterialTexels {
-        if self.features & features::TEXTURES == 0 {
-            return MaterialTexels::default();
-        }
-        MaterialTexels {
-            base_color: self.texel(textures, material, slot::BASE_COLOR, footprint).truncate(),
-            reflectance: self.texel(textures, material, slot::REFLECTANCE, footprint),
-            normal: self.texel(textures, material, slot::NORMAL, footprint).truncate(),
-            emission: self.texel(textures, material, slot::EMISSIVE, footprint).truncate(),
-        }
-    }
-
-    /// Alpha of the base color texture, at its finest level: coarser ones would thin a mask out.
-    pub fn alpha(&self, textures: &Textures, material: &Material) -> f32 {
-        if self.features & features::TEXTURES == 0 || material.textures[slot::BASE_COLOR] == NO_TEXTURE {
-            return 1.0;
-        }
-        let (uv, _) = self.uvs.of_slot(self.features, material, slot::BASE_COLOR, self.barycentrics);
+    fn sample(self, texture: u32, uv: Vec2, lod: f32) -> Vec4 {
         // SAFETY: the host writes only indices of textures that exist.
-        let texture = unsafe { textures.index(material.textures[slot::BASE_COLOR] as usize) };
-        texture.sample_by_lod(uv, 0.0).w
+        let texture = unsafe { self.0.index(texture as usize) };
+        texture.sample_by_lod(uv, lod)
     }
 }

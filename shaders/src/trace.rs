@@ -3,7 +3,6 @@
 //! Loops around a trace are `while` loops over integers: NVIDIA's driver (580.159) loses or repeats iterations of what rust-gpu 0.10
 //! makes of `for .. in range` when some rays of a warp are skipped (seen as lights added twice or never by `reference`).
 
-use shared::alpha;
 use shared::frame::features;
 use shared::glam::Vec3;
 use shared::interface::{HitPayload, ShadowPayload, hit_group, miss};
@@ -72,7 +71,7 @@ impl Visibility for Traced<'_> {
     }
 }
 
-/// Shadow rays and BSDF rays.
+/// Shadow rays, and rays that ask what they meet.
 pub struct Nearest<'a> {
     pub features: u32,
     pub tlas: &'a AccelerationStructure,
@@ -87,8 +86,8 @@ impl Visibility for Nearest<'_> {
         trace_shadow(self.tlas, self.features, ray, key, self.payload)
     }
 
-    fn nearest(&mut self, origin: Vec3, direction: Vec3) -> HitPayload {
-        *self.nearest = HitPayload { key: alpha::SURE_HITS_ONLY, ..HitPayload::default() };
+    fn nearest(&mut self, origin: Vec3, direction: Vec3, key: u32) -> HitPayload {
+        *self.nearest = HitPayload { key, ..HitPayload::default() };
         let (flags, group, miss) = (opacity(self.features), hit_group::NEAREST as i32, miss::PRIMARY as i32);
         let payload = &mut *self.nearest;
         // SAFETY: `payload` is a ray payload of the type that the hit and miss shaders declare.

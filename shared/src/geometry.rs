@@ -104,6 +104,12 @@ impl InstanceGeometry {
         self.direction_to_world(p[1] - p[0]).cross(self.direction_to_world(p[2] - p[0])).length()
     }
 
+    /// Largest number that points of a triangle (its corners in object space) are computed from, m.
+    pub fn magnitude(&self, p: [Vec3; 3]) -> f32 {
+        let [a, b, c] = [self.point_to_world(p[0]), self.point_to_world(p[1]), self.point_to_world(p[2])];
+        a.abs().max(b.abs()).max(c.abs()).max(self.translation.abs()).max_element()
+    }
+
     /// The point with barycentric coordinates `b` = (weight of the second, of the third corner).
     pub fn surface_point(&self, triangle: Triangle, b: Vec2) -> SurfacePoint {
         let Triangle { positions: p, attributes: a } = triangle;

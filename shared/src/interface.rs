@@ -38,12 +38,19 @@ pub struct PassConstants {
     /// Reference: the range of lights to add.
     pub first_light: u32,
     pub light_count: u32,
+    /// Paths: how often light is reflected before it reaches what the pixel sees, at most; [`UNBOUNDED`] for no end.
+    pub bounces: u32,
+    /// How many paths of each pixel.
+    pub paths: u32,
     /// View: one of [`crate::view::kind`], and the measure of distances, m.
     pub view: u32,
     pub scale: f32,
     /// Frames in the running mean, this one included; 0: there is none.
     pub count: u32,
 }
+
+/// Of [`PassConstants::bounces`]: Russian roulette alone ends paths.
+pub const UNBOUNDED: u32 = u32::MAX;
 
 /// Miss shaders in the order of the shader binding table.
 pub mod miss {

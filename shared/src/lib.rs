@@ -27,7 +27,7 @@
 //! docs/algorithm.md, of Bitterli et al. 2020 and of the thesis (Karlović 2022), as in that page's table.
 //!
 //! Reading order: [`math`], [`rng`], [`pdf`], [`sampling`], [`alias_table`], [`environment`], [`light`], [`camera`],
-//! [`cells`], [`counters`], [`frame`] (its settings: [`knobs!`]), [`geometry`], [`raster`], [`material`], [`ray_cone`], [`alpha`], [`surface`], [`bsdf`], [`target`], [`shadow`],
+//! [`cells`], [`counters`], [`frame`] (its settings: [`knobs!`]), [`geometry`], [`raster`], [`material`], [`ray_cone`], [`textures`], [`alpha`], [`surface`], [`scene`], [`bsdf`], [`target`], [`shadow`],
 //! [`reservoir`], [`motion`], [`points`], [`resampling`], [`shading`], [`passes`], [`tonemap`], [`view`], [`statistics`],
 //! [`stored_ray`], [`resources`], [`interface`].
 #![cfg_attr(target_arch = "spirv", no_std)]
@@ -59,12 +59,14 @@ pub mod reservoir;
 pub mod resources;
 pub mod rng;
 pub mod sampling;
+pub mod scene;
 pub mod shading;
 pub mod shadow;
 pub mod statistics;
 pub mod stored_ray;
 pub mod surface;
 pub mod target;
+pub mod textures;
 pub mod tonemap;
 pub mod view;
 

@@ -19,6 +19,7 @@
 
 use crate::frame::FrameConstants;
 use crate::geometry::InstanceGeometry;
+use crate::interface::HitPayload;
 use crate::math::pack_place;
 use bytemuck::{Pod, Zeroable};
 use glam::{UVec2, Vec2, Vec3};
@@ -52,6 +53,12 @@ impl ScenePoint {
     /// Do both lie on one triangle? Seen through one place in the picture they are one point then.
     pub fn shares_triangle_with(&self, other: &ScenePoint) -> bool {
         self.instance == other.instance && self.primitive == other.primitive
+    }
+}
+
+impl From<HitPayload> for ScenePoint {
+    fn from(HitPayload { hit, instance, primitive, barycentrics, .. }: HitPayload) -> Self {
+        if hit != 0 { ScenePoint::new(instance, primitive, barycentrics) } else { ScenePoint::default() }
     }
 }
 

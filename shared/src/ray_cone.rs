@@ -27,6 +27,9 @@ pub struct Footprint {
 }
 
 impl Footprint {
+    /// Of a ray without width: it sees the finest level.
+    pub const POINT: Self = Footprint { side: 0.0, double_area: 1.0 };
+
     /// For a cone of `spread` that has run `distance` m along `direction`, to a surface with normal `normal` (both unit).
     pub fn new(spread: f32, distance: f32, direction: Vec3, normal: Vec3, double_area: f32) -> Self {
         let width = spread * distance;

@@ -22,6 +22,8 @@ pub enum Stream {
     Cells = 9,
     /// Light samples of cells' pools.
     Pools = 10,
+    /// Paths of the reference.
+    Paths = 11,
 }
 
 /// Random numbers of one pixel in one pass.

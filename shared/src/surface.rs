@@ -15,11 +15,12 @@ use glam::{UVec2, Vec3};
 pub struct Surface {
     /// World space, m.
     pub position: Vec3,
-    /// Distance to the camera, m; 0 where a pixel sees no surface.
+    /// Distance to the camera, m; 0 where a pixel sees no surface. Where a path goes on: the largest number that `position` was
+    /// computed from, m, which is what the distance is to a ray's origin.
     pub distance: f32,
-    /// Unit direction to the camera.
+    /// Unit direction to the camera, or back along the path.
     pub wo: Vec3,
-    /// Unit, on the camera's side.
+    /// Unit, on that side.
     pub geometric_normal: Vec3,
     /// Unit shading normal.
     pub normal: Vec3,
@@ -138,7 +139,7 @@ impl GBufferTexel {
     }
 }
 
-/// What a primary ray met, with all that was looked up for it.
+/// What a ray met, with all that was looked up for it.
 #[derive(Clone, Copy, Debug)]
 pub struct PrimaryHit {
     pub point: SurfacePoint,
@@ -156,15 +157,46 @@ impl PrimaryHit {
         if self.material.has(flag::UNLIT) {
             return GBufferTexel::default();
         }
+        GBufferTexel::new(&self.point, self.normal(), self.reflectance(), self.instance, eye)
+    }
+
+    /// The same for light that leaves along `wo` (unit), unpacked. `magnitude`: largest number that the position was computed
+    /// from, m.
+    pub fn surface(&self, wo: Vec3, magnitude: f32) -> Surface {
+        let side = if self.is_front(wo) { 1.0 } else { -1.0 };
+        Surface {
+            position: self.point.position,
+            distance: magnitude,
+            wo,
+            geometric_normal: self.point.geometric_normal * side,
+            normal: visible_normal(self.normal() * side, wo),
+            reflectance: self.reflectance(),
+        }
+    }
+
+    /// Does it reflect light along `wo` (unit)? Unlit surfaces and the backs of single-sided ones only block it.
+    pub fn reflects(&self, wo: Vec3) -> bool {
+        !self.material.has(flag::UNLIT) & (self.is_front(wo) | self.material.has(flag::DOUBLE_SIDED))
+    }
+
+    /// Does `wo` look at its front?
+    pub fn is_front(&self, wo: Vec3) -> bool {
+        self.point.geometric_normal.dot(wo) >= 0.0
+    }
+
+    /// The shading normal, on the front.
+    fn normal(&self) -> Vec3 {
         let has_normal_map = self.material.textures[slot::NORMAL] != NO_TEXTURE;
         let mapped = self.features & features::NORMAL_MAPS != 0 && has_normal_map;
-        let normal = if mapped {
+        if mapped {
             self.point.mapped_normal(self.texels.normal, self.material.normal_scale)
         } else {
             self.point.normal
-        };
-        let reflectance = self.material.reflectance(&self.texels, self.point.color);
-        GBufferTexel::new(&self.point, normal, reflectance, self.instance, eye)
+        }
+    }
+
+    fn reflectance(&self) -> Reflectance {
+        self.material.reflectance(&self.texels, self.point.color)
     }
 
     /// Radiance toward `eye` that the surface shows without light, nit: a single-sided one emits from its front only;

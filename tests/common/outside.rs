@@ -6,7 +6,8 @@ use candela::scene::{
     DirectionalLight, Environment, Filter, Image, Instance, Material, Mesh, Mips, PointLight, SceneCamera,
     SceneDescription, SpotLight, Texture, Workflow, Wrap, fixtures,
 };
-use glam::{Affine3A, UVec2, Vec3};
+use glam::{Affine3A, UVec2, Vec3, Vec3Swizzles};
+use shared::interface::UNBOUNDED;
 use shared::material::{UvMap, slot};
 use std::sync::Arc;
 
@@ -29,6 +30,17 @@ pub fn all() -> Vec<SceneDescription> {
     let files = fixtures::all().into_iter().filter(|(name, _)| ["cornell-box", "instances"].contains(name));
     all.extend(files.map(|(_, scene)| scene));
     all
+}
+
+/// Scenes whose bounced light Mitsuba has rendered, and how many bounces of it: [`UNBOUNDED`] for all.
+pub fn bounced() -> Vec<(SceneDescription, Vec<u32>)> {
+    vec![
+        (named("cornell-box"), vec![1, 2, UNBOUNDED]),
+        (environment(), vec![2]),
+        (in_a_room("metal-room", metal()), vec![1, UNBOUNDED]),
+        (in_a_room("dielectric-room", dielectric()), vec![2]),
+        (textured_room(), vec![1, 2, UNBOUNDED]),
+    ]
 }
 
 /// The scene called `name`.
@@ -158,6 +170,47 @@ fn textured() -> SceneDescription {
     middle.roughness = 0.3;
     right.base_color_texture = Some(0);
     scene.lights.push(KEY.into());
+    scene
+}
+
+/// `scene` without its lights in a closed room: a textured wall, a red one, a metal one.
+fn in_a_room(name: &str, mut scene: SceneDescription) -> SceneDescription {
+    scene.name = name.into();
+    scene.lights.clear();
+    let (min, max) = (Vec3::new(-2.2, 0.0, -1.6), Vec3::new(2.2, 2.8, 4.8));
+    let wall = |outward: Vec3| {
+        // The face of the room's box on that side.
+        let (center, half) = (0.5 * (min + max), 0.5 * (max - min));
+        let (u, v) = (outward.yzx().abs(), outward.zxy().abs());
+        let at = |a: f32, b: f32| center + half * (outward + a * u + b * v);
+        polygon(&[at(-1.0, -1.0), at(1.0, -1.0), at(1.0, 1.0), at(-1.0, 1.0)], -outward)
+    };
+    let mut picture = colored([0.9, 0.9, 0.9], 0.8);
+    if !scene.textures.is_empty() {
+        picture.base_color_texture = Some(0);
+    }
+    let metal = Material { metallic: 1.0, ..colored([0.9, 0.85, 0.8], 0.5) };
+    let walls = [
+        (-Vec3::Z, picture),
+        (-Vec3::X, colored([0.7, 0.15, 0.1], 1.0)),
+        (Vec3::X, metal),
+        (Vec3::Y, colored([0.8, 0.8, 0.8], 1.0)),
+        (Vec3::Z, colored([0.6, 0.6, 0.6], 0.5)),
+    ];
+    for (outward, material) in walls {
+        add(&mut scene, wall(outward), Affine3A::IDENTITY, material);
+    }
+    scene
+}
+
+/// Textures on things, on a wall and in the lamp.
+fn textured_room() -> SceneDescription {
+    let mut scene = in_a_room("textured-room", textured());
+    add_lamp(&mut scene, Vec3::new(40.0, 50.0, 60.0));
+    scene.materials.last_mut().expect("the lamp's").emissive_texture = Some(2);
+    // Mitsuba draws points of such a lamp within the texture's square alone.
+    let lamp = &mut scene.meshes.last_mut().expect("the lamp").primitives[0];
+    lamp.uvs.iter_mut().for_each(|uv| *uv += 0.5);
     scene
 }
 

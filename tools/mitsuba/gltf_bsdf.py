@@ -72,13 +72,21 @@ class GltfBsdf(mi.BSDF):
         return dr.select(active, f * cos_o, 0)
 
     def pdf(self, ctx, si, wo, active):
-        _, _, cos_i, cos_o = self.cosines(si, wo)
-        return dr.select(active & (cos_i > 0) & (cos_o > 0), cos_o * dr.inv_pi, 0)
+        """Of `sample`: half by the cosine, half by Mitsuba's visible normals."""
+        wi, wo, cos_i, cos_o = self.cosines(si, wo)
+        half = dr.normalize(wi + wo)
+        lobe = self.microfacets(si, active).pdf(wi, half) / (4 * dr.dot(wo, half))
+        return dr.select(active & (cos_i > 0) & (cos_o > 0), 0.5 * (cos_o * dr.inv_pi + lobe), 0)
+
+    def microfacets(self, si, active):
+        alpha = self.reflectance(si, active)[2]
+        return mi.MicrofacetDistribution(mi.MicrofacetType.GGX, alpha, True)
 
     def sample(self, ctx, si, sample1, sample2, active):
-        """Cosine-weighted: the lights are sampled, not this."""
-        wo = mi.warp.square_to_cosine_hemisphere(sample2)
         cos_i = mi.Frame3f.cos_theta(si.wi)
+        wi = dr.mulsign(si.wi, cos_i) if self.double_sided else si.wi
+        half, _ = self.microfacets(si, active).sample(wi, sample2)
+        wo = dr.select(sample1 < 0.5, mi.warp.square_to_cosine_hemisphere(sample2), mi.reflect(wi, half))
         if self.double_sided:
             wo = dr.mulsign(wo, cos_i)
         bs = mi.BSDFSample3f(wo)

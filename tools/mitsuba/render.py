@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Renders folders that `candela export` wrote: direct light, radiance in nit, linear Rec. 709. See README.md."""
+"""Renders folders that `candela export` wrote: direct light, or light that bounces; radiance in nit, linear Rec. 709. See README.md."""
 
 import argparse
 import json
@@ -18,6 +18,8 @@ from scene import Scene, SceneError  # noqa: E402 (needs the variant)
 BATCH = 4096
 # Pixels are to be compared at 1 % of (pixel + a tenth of the mean), so must be known better: largest standard error.
 CONVERGED = 3e-3
+# Of light that bounces, whose pictures say how noisy they are.
+CONVERGED_BOUNCES = 3e-2
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 # m: both programs start their shadow rays a little off the surface (about 0.3 mm here), which moves hard shadows as much.
 SHADOW_EDGE = 1e-3
@@ -35,21 +37,40 @@ def pixel_rays(sensor, size, offset=(0.5, 0.5), repeat=1):
     return sensor.sample_ray(0, 0, place, mi.Point2f(0.5))[0]
 
 
-def render(scene, size, spp):
-    """Mean and squared standard error of each pixel's radiance through its middle: (height, width, 3), (height, width)."""
+def direct_integrators():
+    """Lights are seen too, as in Candela. Mitsuba's sampling of lights alone is unbiased for every BSDF."""
+    return [(1, mi.load_dict({"type": "direct", "emitter_samples": 1, "bsdf_samples": 0}))]
+
+
+def bounce_integrators(bounces):
+    """Light that was reflected 1 to `bounces` times (-1: any number) on its way to what the camera sees: what paths of that depth
+    find more than those that end there. Both walk the same paths, as they get the same numbers.
+    """
+    def path(depth):
+        return mi.load_dict({"type": "path", "max_depth": depth, "rr_depth": 16})
+    return [(1, path(-1 if bounces < 0 else bounces + 2)), (-1, path(2))]
+
+
+def render(scene, size, spp, integrators):
+    """Mean and squared standard error of each pixel's radiance through its middle: (height, width, 3), (height, width).
+
+    `integrators`: factors and integrators, whose sum it is.
+    """
     pixels = size[0] * size[1]
     batch = min(BATCH, spp)
     batches = -(-spp // batch)
-    # Lights are seen too, as in Candela. Mitsuba's sampling of lights alone is unbiased for every BSDF.
-    integrator = mi.load_dict({"type": "direct", "emitter_samples": 1, "bsdf_samples": 0})
     means = []
     for i in range(batches):
-        sampler = mi.load_dict({"type": "multijitter", "sample_count": batch})
-        sampler.set_samples_per_wavefront(batch)
-        sampler.seed(i, pixels * batch)
-        rays = pixel_rays(scene.sensors()[0], size, repeat=batch)
-        radiance, _, _ = integrator.sample(scene, sampler, rays)
-        means.append(np.stack([np.array(dr.block_sum(c, batch), np.float64) / batch for c in radiance], -1))
+        total = 0
+        for factor, integrator in integrators:
+            sampler = mi.load_dict({"type": "multijitter", "sample_count": batch})
+            sampler.set_samples_per_wavefront(batch)
+            sampler.seed(i, pixels * batch)
+            rays = pixel_rays(scene.sensors()[0], size, repeat=batch)
+            radiance, _, _ = integrator.sample(scene, sampler, rays)
+            sums = [np.array(dr.block_sum(c, batch), np.float64) / batch for c in radiance]
+            total = total + factor * np.stack(sums, -1)
+        means.append(total)
     means = np.stack(means)
     # From the spread of the batches.
     variance = (means @ LUMINANCE).var(0, ddof=1) / batches if batches > 1 else np.zeros(pixels)
@@ -100,31 +121,49 @@ def away_from_hard_shadows(scene, size):
     return np.logical_and.reduce(same).reshape(size[1], size[0])
 
 
-def write(folder, output, size, spp, plant, noisy):
-    """OUTPUT/NAME.exr: RGB radiance, alpha 1 away from edges; NAME.json: how it was made and its standard error."""
-    name = folder.name + (f"-{plant}" if plant else "")
-    scene = Scene(folder, size, plant)
-    if not scene.lights:
-        raise SceneError(f"{name}: nothing in it shines")
+def direct(name, scene, size, spp):
+    """Light that comes straight from lights: its mean and squared standard error, and where it may be compared."""
     mean, variance, valid = 0, 0, True
     for i, light in enumerate(scene.lights):
         print(f"{name}: light {i + 1} of {len(scene.lights)}", file=sys.stderr)
-        lit = scene.lit_by(light)
-        part, part_variance = render(lit, size, 1 if scene.is_exact(light) else spp)
+        lit = scene.lit_by([light])
+        part, part_variance = render(lit, size, 1 if scene.is_exact(light) else spp, direct_integrators())
         mean, variance = mean + part, variance + part_variance
         valid = valid & away_from_edges(lit, size)
         if scene.is_exact(light):
             valid = valid & away_from_hard_shadows(lit, size)
+    return mean, variance, valid
+
+
+def bounced(scene, size, spp, bounces):
+    """The same of light that bounces."""
+    lit = scene.lit_by(scene.lights)
+    return *render(lit, size, spp, bounce_integrators(bounces)), away_from_edges(lit, size)
+
+
+def write(folder, output, size, spp, bounces, plant, noisy):
+    """OUTPUT/NAME.exr: RGB radiance, alpha 1 away from edges, of bounced light its standard error there; NAME.json: how it was made."""
+    depth = {None: "", -1: "-bounces-inf"}.get(bounces, f"-bounces-{bounces}")
+    name = folder.name + depth + (f"-{plant}" if plant else "")
+    scene = Scene(folder, size, plant)
+    if not scene.lights:
+        raise SceneError(f"{name}: nothing in it shines")
+    if bounces is None:
+        mean, variance, valid = direct(name, scene, size, spp)
+    else:
+        mean, variance, valid = bounced(scene, size, spp, bounces)
     error = np.sqrt(variance)
-    picture = np.concatenate([mean, valid[..., None]], -1).astype(np.float32)
     luminance = mean @ LUMINANCE
-    largest = float((error / (luminance + 0.1 * luminance.mean())).max())
-    if largest > CONVERGED and not noisy:
+    # Light that bounces is noisy: the picture says how much.
+    alpha = valid if bounces is None else np.where(valid, np.maximum(error, 1e-9), 0)
+    picture = np.concatenate([mean, alpha[..., None]], -1).astype(np.float32)
+    largest = float((error / (luminance + 0.1 * luminance.mean()))[valid].max())
+    if largest > (CONVERGED if bounces is None else CONVERGED_BOUNCES) and not noisy:
         raise SceneError(f"{name}: a pixel's standard error is {largest:.2e} of it; render with more --spp, or --noisy")
     said = {
         "mitsuba": mi.__version__,
         "variant": mi.variant(),
-        "samples_per_pixel_and_area_light": spp,
+        "samples_per_pixel_and_area_light" if bounces is None else "paths_per_pixel": spp,
         "mean_luminance": float(luminance.mean()),
         "relative_standard_error_of_the_mean": float(np.sqrt(variance.sum()) / luminance.sum()),
         "largest_standard_error_over_pixel_plus_tenth_of_mean": largest,
@@ -142,6 +181,7 @@ def main():
     parser.add_argument("-o", "--output", type=Path, required=True, help="folder for the pictures")
     parser.add_argument("--size", default="64x48", help="width x height in pixels")
     parser.add_argument("--spp", type=int, default=65536, help="samples per pixel and light with an extent")
+    parser.add_argument("--bounces", help="light alone that was reflected 1 to BOUNCES times (`inf`: any number) before it is seen")
     parser.add_argument("--plant", choices=["separable-smith", "mitsuba-spot"], help="an error, for negative controls")
     parser.add_argument("--noisy", action="store_true", help="write pictures that have not converged, too")
     args = parser.parse_args()
@@ -150,8 +190,12 @@ def main():
     except ValueError:
         parser.error("--size: expected WIDTHxHEIGHT, such as 64x48")
     try:
+        bounces = {None: None, "inf": -1}[args.bounces] if args.bounces in (None, "inf") else int(args.bounces)
+    except ValueError:
+        parser.error("--bounces: expected a number, or inf")
+    try:
         for folder in args.folders:
-            write(folder, args.output, (width, height), args.spp, args.plant, args.noisy)
+            write(folder, args.output, (width, height), args.spp, bounces, args.plant, args.noisy)
     except SceneError as error:
         sys.exit(f"error: {error}")
 

@@ -41,7 +41,7 @@ class Scene:
             material = materials[shape["material"]]
             self.objects[f"shape{i}"] = mesh(folder / shape["file"], material, textures, plant)
             if any(material["emission"]):
-                self.lights[f"shape{i}"] = area(material)
+                self.lights[f"shape{i}"] = area(material, textures)
         for i, light in enumerate(root["point_lights"]):
             self.lights[f"point{i}"] = {
                 "type": "point",
@@ -61,13 +61,12 @@ class Scene:
         """One sample says it all: the light has no extent."""
         return not light.startswith(("shape", "sky"))
 
-    def lit_by(self, light):
-        """The Mitsuba scene with this light alone: light adds up, and no sample is spent on choosing one."""
+    def lit_by(self, lights):
+        """The Mitsuba scene with these lights. With one alone no sample is spent on choosing, and light adds up."""
         objects = dict(self.objects)
-        if light in objects:
-            objects[light] = objects[light] | {"emitter": self.lights[light]}
-        else:
-            objects[light] = self.lights[light]
+        for light in lights:
+            emitter = self.lights[light]
+            objects[light] = objects[light] | {"emitter": emitter} if light in objects else emitter
         return mi.load_dict(objects)
 
 
@@ -101,17 +100,17 @@ def mesh(path, material, textures, plant):
     return {"type": "ply", "filename": str(path), "bsdf": bsdf(material, textures, colored, plant)}
 
 
-def area(material):
+def area(material, textures):
     if material["double_sided"]:
         raise SceneError(f"{material['name']}: Mitsuba's area lights emit from one side only")
-    return {"type": "area", "radiance": rgb(material["emission"])}
+    use, emission = material["emissive_texture"], material["emission"]
+    return {"type": "area", "radiance": textures.bitmap(use, factor=emission) if use else rgb(emission)}
 
 
 def bsdf(material, textures, colored, plant):
     """See gltf_bsdf.py."""
-    for what in ("normal", "emissive"):
-        if material[f"{what}_texture"]:
-            print(f"warning: {material['name']}: its {what} texture is not read", file=sys.stderr)
+    if material["normal_texture"]:
+        print(f"warning: {material['name']}: its normal texture is not read", file=sys.stderr)
     gltf = {
         "type": "gltf",
         "workflow": material["workflow"],
@@ -141,7 +140,7 @@ class Textures:
     def __init__(self, folder, textures):
         self.folder, self.textures = folder, textures
 
-    def bitmap(self, use, alpha=False):
+    def bitmap(self, use, alpha=False, factor=1):
         texture = self.textures[use["texture"]]
         if use["set"] != 0:
             raise SceneError(f"{texture['file']}: a second set of texture coordinates")
@@ -155,7 +154,7 @@ class Textures:
         (a, b, c), (d, e, f) = use["u"], use["v"]
         return {
             "type": "bitmap",
-            "bitmap": mi.Bitmap(np.ascontiguousarray(color, np.float32)),
+            "bitmap": mi.Bitmap(np.ascontiguousarray(color * np.asarray(factor), np.float32)),
             "raw": True,
             "filter_type": "bilinear" if texture["linear"] else "nearest",
             "wrap_mode": self.WRAPS[texture["wrap"][0]],

@@ -6,6 +6,7 @@ use crate::image_io::{self, Channel};
 use crate::measure::mean::Mean;
 use glam::{UVec2, Vec3};
 use shared::camera::Camera;
+use shared::math::luminance;
 use shared::math::unpack_place;
 use shared::resources::Resource;
 use shared::surface::GBufferTexel;
@@ -14,46 +15,103 @@ use std::path::Path;
 /// Depth where a pixel sees nothing that could be lit, m; the number that Blender writes.
 pub const NOTHING: f32 = 1e10;
 
-/// The mean of frames.
+/// The mean of frames, and of paths that are added to them.
 pub struct Accumulation {
-    /// nit
-    pub radiance: Mean,
-    /// What radiance is the sum of, where layers are asked for.
-    parts: Option<Parts>,
+    frames: Light,
+    paths: Light,
+    /// Of the frames, where layers are asked for, nit.
+    emission: Option<Mean>,
 }
 
-struct Parts {
+/// Means, nit.
+struct Light {
+    radiance: Mean,
+    /// By the lobes that reflect it, where layers are asked for.
+    lobes: Option<Lobes>,
+}
+
+struct Lobes {
     diffuse: Mean,
     specular: Mean,
-    emission: Mean,
+}
+
+impl Light {
+    fn new(size: UVec2, layers: bool) -> Self {
+        let mean = || Mean::new(size);
+        Light { radiance: mean(), lobes: layers.then(|| Lobes { diffuse: mean(), specular: mean() }) }
+    }
+
+    /// The lobes of the last frame of `renderer`, where they are asked for: their sum.
+    fn add_lobes(&mut self, renderer: &Renderer) -> Result<Option<Vec<Vec3>>> {
+        let Some(lobes) = &mut self.lobes else { return Ok(None) };
+        let mut diffuse: Vec<Vec3> = renderer.read(Resource::direct_diffuse)?;
+        let gbuffer = renderer.gbuffer()?;
+        diffuse.iter_mut().zip(&gbuffer).for_each(|(light, texel)| *light *= texel.diffuse());
+        let specular: Vec<Vec3> = renderer.read(Resource::direct_specular)?;
+        lobes.diffuse.add(&diffuse);
+        lobes.specular.add(&specular);
+        Ok(Some(sum(diffuse, &specular)))
+    }
+}
+
+fn sum(mut a: Vec<Vec3>, b: &[Vec3]) -> Vec<Vec3> {
+    a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
+    a
 }
 
 impl Accumulation {
     /// Of no frames yet. `layers`: they will be rendered in parts.
     pub fn new(size: UVec2, layers: bool) -> Self {
-        let mean = || Mean::new(size);
-        let parts = layers.then(|| Parts { diffuse: mean(), specular: mean(), emission: mean() });
-        Accumulation { radiance: mean(), parts }
+        let light = || Light::new(size, layers);
+        Accumulation { frames: light(), paths: light(), emission: layers.then(|| Mean::new(size)) }
     }
 
     /// One more: the last frame of `renderer`.
     pub fn add(&mut self, renderer: &Renderer) -> Result<()> {
-        self.radiance.add(&renderer.radiance()?);
-        if let Some(parts) = &mut self.parts {
-            let mut diffuse: Vec<Vec3> = renderer.read(Resource::direct_diffuse)?;
-            let gbuffer = renderer.gbuffer()?;
-            diffuse.iter_mut().zip(&gbuffer).for_each(|(light, texel)| *light *= texel.diffuse());
-            parts.diffuse.add(&diffuse);
-            parts.specular.add(&renderer.read::<Vec3>(Resource::direct_specular)?);
-            parts.emission.add(&renderer.read::<Vec3>(Resource::emission)?);
+        self.frames.radiance.add(&renderer.radiance()?);
+        self.frames.add_lobes(renderer)?;
+        if let Some(emission) = &mut self.emission {
+            emission.add(&renderer.read::<Vec3>(Resource::emission)?);
         }
         Ok(())
     }
 
+    /// One more path a pixel: the last frame of `renderer`, which held them alone.
+    pub fn add_paths(&mut self, renderer: &Renderer) -> Result<()> {
+        let radiance = match self.paths.add_lobes(renderer)? {
+            Some(radiance) => radiance,
+            None => renderer.radiance()?,
+        };
+        self.paths.radiance.add(&radiance);
+        Ok(())
+    }
+
+    /// The picture, nit.
+    pub fn radiance(&self) -> Vec<Vec3> {
+        self.light(|light| Some(&light.radiance)).unwrap_or_default()
+    }
+
+    /// Mean of the pixels' standard errors over the mean luminance.
+    pub fn relative_standard_error(&self) -> f64 {
+        let errors = [&self.frames, &self.paths].map(|light| light.radiance.standard_errors());
+        let error: f64 = errors[0].iter().zip(&errors[1]).map(|(a, b)| a.hypot(*b)).sum();
+        let luminance: f64 = self.radiance().iter().map(|&c| f64::from(luminance(c))).sum();
+        if luminance > 0.0 { error / luminance } else { 0.0 }
+    }
+
+    /// Of frames and paths together.
+    fn light(&self, mean: impl Fn(&Light) -> Option<&Mean>) -> Option<Vec<Vec3>> {
+        Some(sum(mean(&self.frames)?.radiance(), &mean(&self.paths)?.radiance()))
+    }
+
     /// Writes an .exr; its layers are the parts, and what the last frame of `renderer` saw from `camera`.
     pub fn write_exr(&self, path: &Path, renderer: &Renderer, camera: Camera) -> Result<()> {
-        let (size, radiance) = (renderer.size(), self.radiance.radiance());
-        let Some(parts) = &self.parts else { return image_io::write_exr(path, size, &radiance) };
+        let (size, radiance) = (renderer.size(), self.radiance());
+        let lobe = |of: fn(&Lobes) -> &Mean| self.light(|light| light.lobes.as_ref().map(of));
+        let layers = (lobe(|lobes| &lobes.diffuse), lobe(|lobes| &lobes.specular), &self.emission);
+        let (Some(diffuse), Some(specular), Some(emission)) = layers else {
+            return image_io::write_exr(path, size, &radiance);
+        };
         let gbuffer = renderer.gbuffer()?;
         let seen = |look: fn(&GBufferTexel) -> Vec3| -> Vec<Vec3> {
             gbuffer.iter().map(|texel| if texel.is_empty() { Vec3::ZERO } else { look(texel) }).collect()
@@ -67,9 +125,9 @@ impl Accumulation {
         let depth = Channel::new("depth.Z", gbuffer.iter().enumerate().map(depth).collect());
         let layers = [
             ("", "RGB", radiance),
-            ("diffuse.", "RGB", parts.diffuse.radiance()),
-            ("specular.", "RGB", parts.specular.radiance()),
-            ("emission.", "RGB", parts.emission.radiance()),
+            ("diffuse.", "RGB", diffuse),
+            ("specular.", "RGB", specular),
+            ("emission.", "RGB", emission.radiance()),
             ("albedo.", "RGB", seen(GBufferTexel::diffuse)),
             ("f0.", "RGB", seen(GBufferTexel::f0)),
             ("normal.", "XYZ", seen(GBufferTexel::normal)),

@@ -38,7 +38,7 @@ impl Picture<'_> {
     pub fn write(&self, args: &PictureArgs, metered: Option<f32>) -> Result<()> {
         let exposure = match metered {
             Some(exposure) => exposure * args.exposure.exp2(),
-            None => exposure::automatic(&self.frames.radiance.radiance(), args.exposure),
+            None => exposure::automatic(&self.frames.radiance(), args.exposure),
         };
         self.write_exposed(&args.output, exposure)?;
         println!("wrote {}", args.output.display());
@@ -51,7 +51,7 @@ impl Picture<'_> {
             PictureFormat::Exr => self.frames.write_exr(path, self.renderer, self.camera),
             PictureFormat::Png => {
                 let pixel = |&radiance: &Vec3| tonemap::pack_rgba8(tonemap::display(radiance, exposure));
-                let display: Vec<u32> = self.frames.radiance.radiance().iter().map(pixel).collect();
+                let display: Vec<u32> = self.frames.radiance().iter().map(pixel).collect();
                 image_io::write_png(path, self.renderer.size(), &display)
             }
         }

@@ -1,18 +1,21 @@
-//! `candela reference`: the truth, accumulated in f64.
+//! `candela reference`: the truth, accumulated in f64: a sum over all lights, and paths for light that bounces.
 
 use super::accumulation::Accumulation;
+use super::args::values::bounces;
 use super::args::{DeviceArgs, PictureArgs, SceneArgs, choice};
 use super::output::Picture;
 use super::progress::Steps;
 use super::{output, view};
 use crate::error::Result;
-use crate::frame::renderer::Renderer;
+use crate::frame::renderer::{FrameOptions, Renderer};
 use crate::frame::schedule::{Primary, Work};
 use crate::gpu_scene::GpuScene;
 use crate::image_io::PictureFormat;
 use crate::measure::sweep::truth::Lighting;
 use crate::vulkan::Device;
 use clap::Args;
+use shared::interface::UNBOUNDED;
+use std::time::{Duration, Instant};
 
 #[derive(Args, Clone, Debug)]
 pub struct ReferenceArgs {
@@ -26,10 +29,19 @@ pub struct ReferenceArgs {
     /// exact and no more are taken.
     #[arg(long, default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..))]
     pub samples: u32,
+    /// How often light may be reflected before it reaches what the camera sees: 0 is direct light; `inf` for no end.
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = bounces)]
+    pub bounces: u32,
+    /// Paths of each pixel that gather the light that bounces.
+    #[arg(long, default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..))]
+    pub paths: u32,
     /// As for `render`.
     #[arg(long, value_parser = choice::<Primary>(), default_value = "auto")]
     pub primary: Primary,
 }
+
+/// Short enough that no driver's watchdog bites, many enough to read few pictures back.
+const PATHS_A_FRAME: u32 = 8;
 
 pub fn run(args: &ReferenceArgs) -> Result<()> {
     let format = output::check(&args.picture.output, &args.picture)?;
@@ -47,23 +59,42 @@ pub fn run(args: &ReferenceArgs) -> Result<()> {
         PictureFormat::Png => renderer.meter(camera, &options)?,
         PictureFormat::Exr => None,
     };
-    let mut progress = Steps::new(samples.into(), "reference");
+    // As many in each frame: all weigh the same.
+    let path_frames = if args.bounces > 0 { args.paths.div_ceil(PATHS_A_FRAME) } else { 0 };
+    let paths_a_frame = args.paths.div_ceil(path_frames.max(1));
+    let mut progress = Steps::new(u64::from(samples) + u64::from(path_frames), "reference");
+    let start = Instant::now();
     let mut accumulation = Accumulation::new(args.picture.size, options.parts);
     for _ in 0..samples {
         renderer.render(camera, &options)?;
         accumulation.add(&renderer)?;
         progress.step();
     }
+    let summed = start.elapsed();
+    let work = Work::Paths { bounces: args.bounces, paths: paths_a_frame };
+    for _ in 0..path_frames {
+        renderer.render(camera, &FrameOptions { work, ..options })?;
+        accumulation.add_paths(&renderer)?;
+        progress.step();
+    }
     progress.end();
+    let traced = start.elapsed() - summed;
     let picture = Picture { frames: &accumulation, renderer: &renderer, camera, format };
     picture.write(&args.picture, metered)?;
-    println!("{}: {lights} lights, {samples} samples each", device.info().name);
-    match samples {
-        1 if lighting.is_exact() => println!("exact: no light has an extent"),
+    let seconds = |time: Duration| format!("{:.1} s", time.as_secs_f64());
+    println!("{}: {lights} lights, {samples} samples each, {}", device.info().name, seconds(summed));
+    let paths = path_frames * paths_a_frame;
+    match args.bounces {
+        0 => {}
+        UNBOUNDED => println!("{paths} paths a pixel, any number of bounces, {}", seconds(traced)),
+        n => println!("{paths} paths a pixel, {n} bounces, {}", seconds(traced)),
+    }
+    match samples.max(path_frames) {
+        1 if lighting.is_exact() && paths == 0 => println!("exact: no light has an extent"),
         1 => {}
         _ => println!(
             "standard error of the mean: {:.2e} of the mean luminance",
-            accumulation.radiance.relative_standard_error()
+            accumulation.relative_standard_error()
         ),
     }
     output::check_validation(&device)

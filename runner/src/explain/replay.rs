@@ -175,7 +175,7 @@ impl Visibility for &Listener<'_> {
         self.0.borrow_mut().ask(question, ray, key, true)
     }
 
-    fn nearest(&mut self, origin: Vec3, direction: Vec3) -> HitPayload {
+    fn nearest(&mut self, origin: Vec3, direction: Vec3, _: u32) -> HitPayload {
         self.0.borrow_mut().meet(origin, direction)
     }
 }

@@ -149,6 +149,7 @@ pub fn hit_groups(rays: Rays, features: u32) -> Vec<GroupShaders> {
     let nearest = GroupShaders { closest_hit: Some("closest_hit"), any_hit: any_hit("primary_any_hit") };
     match rays {
         Rays::Primary => vec![nearest],
+        Rays::Bounces => vec![shadow, nearest],
         Rays::Both if features & features::TRACEABLE != 0 => vec![shadow, nearest],
         Rays::Shadow | Rays::Both => vec![shadow],
     }

@@ -30,6 +30,10 @@ fn of_step(step: &Step, settings: &Settings, features: u32) -> u64 {
         Body::pair_targets => known,
         Body::shade | Body::shade_parts => u64::from(settings.reservoirs),
         Body::reference | Body::reference_parts => u64::from(step.constants.light_count),
+        // One that goes on, and one to a light, at each point but the first.
+        Body::paths | Body::paths_parts => {
+            u64::from(step.constants.paths) * (1 + 2 * u64::from(step.constants.bounces))
+        }
         Body::roofline_primary | Body::roofline_shadow => 1,
         _ => 0,
     };
@@ -68,7 +72,7 @@ mod tests {
     /// A pass with rays that nobody counts would be one without.
     #[test]
     fn rays_of_every_pass_count() {
-        let constants = PassConstants { light_count: 1, ..Default::default() };
+        let constants = PassConstants { light_count: 1, paths: 1, ..Default::default() };
         for &pass in Pass::ALL {
             let step = Step::new(pass, 0, constants, |binding| binding.resource().into());
             let rays = of_step(&step, &Settings::default(), features::TRACEABLE);

@@ -190,9 +190,10 @@ impl Recorder {
     fn plan(&mut self, history: &mut History, camera: Camera, options: &FrameOptions) -> Result<Plan> {
         let settings = match options.work {
             Work::Restir(settings) => settings,
-            Work::Reference { .. } | Work::ReferenceSlice { .. } | Work::Truth { .. } => {
-                Settings { reservoirs: 0, ..Settings::default() }
-            }
+            Work::Reference { .. }
+            | Work::ReferenceSlice { .. }
+            | Work::Truth { .. }
+            | Work::Paths { .. } => Settings { reservoirs: 0, ..Settings::default() },
         };
         if settings.reservoirs > history.reservoirs() {
             let (asked, has) = (settings.reservoirs, history.reservoirs());

@@ -85,6 +85,9 @@ pub enum Work {
     ReferenceSlice { first: u32, count: u32 },
     /// The sum over this many lights at the very surfaces that the frame before shaded. The frame after it follows that one.
     Truth { lights: u32 },
+    /// Light that was reflected on its way to what a pixel sees, up to `bounces` times ([`shared::interface::UNBOUNDED`] for no
+    /// end), the mean of `paths` of each pixel. It alone stands in radiance, or in its parts.
+    Paths { bounces: u32, paths: u32 },
 }
 
 /// The passes of one frame and the rotation that the next frame starts from.
@@ -98,6 +101,12 @@ pub fn schedule(work: &Work, conditions: Conditions, rotation: Rotation) -> (Vec
         Work::Reference { lights } => {
             surfaces(&mut frame);
             reference(&mut frame, 0..lights);
+        }
+        Work::Paths { bounces, paths: count } => {
+            surfaces(&mut frame);
+            paths(&mut frame, bounces, count);
+            let next = Rotation { gbuffer: 1 - rotation.gbuffer, history: frame.output };
+            return (frame.steps, next);
         }
         Work::ReferenceSlice { first, count } => {
             if first == 0 {
@@ -201,6 +210,12 @@ fn reference(frame: &mut Frame, lights: Range<u32>) {
         let light_count = REFERENCE_LIGHTS.min(lights.end - first_light);
         frame.run_with(pass, PassConstants { first_light, light_count, ..Default::default() });
     }
+}
+
+/// Light of `paths` of each pixel, in the place of what is seen unlit.
+fn paths(frame: &mut Frame, bounces: u32, paths: u32) {
+    let pass = if frame.conditions.parts { Pass::paths_parts } else { Pass::paths };
+    frame.run_with(pass, PassConstants { bounces, paths, ..Default::default() });
 }
 
 /// The parts together are the picture.

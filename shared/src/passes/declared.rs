@@ -23,6 +23,8 @@ pub enum Rays {
     Shadow,
     /// Shadow rays, and BSDF rays where the scene has lights that rays can find.
     Both,
+    /// Shadow rays, and rays that ask what they meet.
+    Bounces,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -50,6 +52,9 @@ macro_rules! stage {
     };
     (primary) => {
         Stage::RayTracing(Rays::Primary)
+    };
+    (bounced) => {
+        Stage::RayTracing(Rays::Bounces)
     };
     (traced shadow nearest) => {
         Stage::RayTracing(Rays::Both)

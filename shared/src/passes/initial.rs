@@ -96,7 +96,7 @@ pub fn initial(
     while i < techniques.bsdf {
         let ray = BsdfRay::new(&surface, &mut rng);
         if ray.is_worth_tracing(&surface) {
-            let hit = rays.nearest(ray.origin, ray.direction);
+            let hit = rays.nearest(ray.origin, ray.direction, SURE_HITS_ONLY);
             let light = emitters.light_at(hit, ray.direction);
             note.bsdf_ray(&ray, hit, light);
             let source_pdf = if at.is(variant::CELLS) {

@@ -11,6 +11,7 @@
 /// | `compute` | its [`crate::passes::At`] |
 /// | `known` | that, and no ray: [`crate::passes::Assumed`] answers |
 /// | `traced(..)` | that, and the hardware, by shadow rays; `nearest`: also by BSDF rays, `previous`: also in the previous frame |
+/// | `bounced` | that, and the hardware, by shadow rays and rays that ask what they meet, whatever it is |
 /// | `primary` | that, and the hardware, by rays from the eye |
 /// | `drawn` | none: vertex and fragment shaders of their own |
 #[macro_export]
@@ -66,6 +67,11 @@ macro_rules! passes {
                 [lights gbuffer] [radiance] [])
             (reference_parts Pixels { traced(shadow) reference_parts }
                 [lights gbuffer] [direct_diffuse direct_specular] [])
+            (paths Pixels { bounced() paths }
+                [lights alias instances positions attributes indices materials second_uvs environment textures gbuffer] [] [radiance])
+            (paths_parts Pixels { bounced() paths_parts }
+                [lights alias instances positions attributes indices materials second_uvs environment textures gbuffer] []
+                [direct_diffuse direct_specular])
             (resolve Pixels { compute() resolve }
                 [gbuffer direct_diffuse direct_specular emission] [] [radiance])
             (tonemap Pixels { compute() tonemap }

@@ -35,8 +35,8 @@ pub trait Visibility {
         self.sees(question, ray, key)
     }
 
-    /// The nearest surface from `origin` along `direction` (unit) that surely is in the way, both sides of everything.
-    fn nearest(&mut self, _origin: Vec3, _direction: Vec3) -> HitPayload {
+    /// The nearest surface from `origin` along `direction` (unit), both sides of everything. `key`: of [`crate::alpha`].
+    fn nearest(&mut self, _origin: Vec3, _direction: Vec3, _key: u32) -> HitPayload {
         HitPayload::default()
     }
 }
@@ -53,8 +53,8 @@ impl<V: Visibility> Visibility for &mut V {
         (**self).saw(question, ray, key)
     }
 
-    fn nearest(&mut self, origin: Vec3, direction: Vec3) -> HitPayload {
-        (**self).nearest(origin, direction)
+    fn nearest(&mut self, origin: Vec3, direction: Vec3, key: u32) -> HitPayload {
+        (**self).nearest(origin, direction, key)
     }
 }
 

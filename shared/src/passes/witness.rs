@@ -1,5 +1,6 @@
 //! Who hears what a pass does.
 
+use super::paths::{Arrival, Bounce};
 use crate::interface::HitPayload;
 use crate::reflected::Reflected;
 use crate::resampling::CrossProposal;
@@ -48,6 +49,12 @@ pub trait Witness {
     fn shaded<L: Reflected>(&mut self, _reservoir: StoredReservoir, _shaded: &mut Contribution<L>) {}
     /// Whether it was.
     fn lit<L: Reflected>(&mut self, _shaded: &Contribution<L>, _visible: bool) {}
+    /// Where a path goes on, before it does.
+    fn bounces(&mut self, _bounce: &mut Bounce) {}
+    /// Light at a point of a path, before it is weighed.
+    fn arrives(&mut self, _technique: Technique, _arrival: &mut Arrival) {}
+    /// The probability with which a path went on, before it is divided by it.
+    fn survives(&mut self, _survival: &mut f32) {}
 }
 
 /// Hears nothing.

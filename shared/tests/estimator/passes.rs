@@ -367,7 +367,7 @@ impl Visibility for Rays<'_> {
         self.assumed == Some(question) || self.frame.world.trace(ray) != inverted
     }
 
-    fn nearest(&mut self, origin: Vec3, direction: Vec3) -> HitPayload {
+    fn nearest(&mut self, origin: Vec3, direction: Vec3, _: u32) -> HitPayload {
         self.frame.world.nearest(origin, direction, self.frame.is(Plant::FoundRay))
     }
 }

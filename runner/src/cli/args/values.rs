@@ -2,6 +2,8 @@
 
 use crate::scene::lights::MAX_LIGHTS;
 use glam::UVec2;
+use shared::interface::UNBOUNDED;
+use shared::passes::paths::LONGEST;
 
 pub fn time(text: &str) -> Result<f64, String> {
     text.parse()
@@ -24,6 +26,18 @@ pub fn lights(text: &str) -> Result<usize, String> {
         .ok()
         .filter(|n| *n <= MAX_LIGHTS)
         .ok_or_else(|| format!("expected a number of lights, at most {MAX_LIGHTS}"))
+}
+
+/// A number of reflections; `inf` for no end.
+pub fn bounces(text: &str) -> Result<u32, String> {
+    match text {
+        "inf" => Ok(UNBOUNDED),
+        _ => text
+            .parse()
+            .ok()
+            .filter(|n| *n <= LONGEST)
+            .ok_or_else(|| format!("expected a number of bounces from 0 to {LONGEST}, or inf")),
+    }
 }
 
 pub fn degrees(text: &str) -> Result<f32, String> {

@@ -54,7 +54,8 @@ pub fn rays(
             Stage::RayTracing(Rays::Shadow | Rays::Both) => {
                 captured.extend(shadow(pass, features, &scene, |rays| trace(renderer, rays))?);
             }
-            Stage::Compute | Stage::Raster => {}
+            // No frame that is measured has paths.
+            Stage::RayTracing(Rays::Bounces) | Stage::Compute | Stage::Raster => {}
         }
     }
     Ok(captured)

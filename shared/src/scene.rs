@@ -1,0 +1,115 @@
+//! The scene as rays meet it: from the indices of a hit to its surface.
+
+use crate::environment::{EnvironmentTexel, texel_of};
+use crate::frame::{FrameConstants, features};
+use crate::geometry::{InstanceGeometry, VertexAttributes};
+use crate::material::Material;
+use crate::points::ScenePoint;
+use crate::raster;
+use crate::ray_cone::{self, Footprint};
+use crate::surface::{GBufferTexel, PrimaryHit};
+use crate::textures::{Place, Texels, triangle, uv_sets};
+use glam::{Vec2, Vec3};
+
+/// Scene buffers that tell what a ray met.
+#[derive(Clone, Copy)]
+pub struct Scene<'a> {
+    pub features: u32,
+    pub instances: &'a [InstanceGeometry],
+    pub positions: &'a [Vec3],
+    pub attributes: &'a [VertexAttributes],
+    pub indices: &'a [u32],
+    pub materials: &'a [Material],
+    pub second_uvs: &'a [Vec2],
+    pub environment: &'a [EnvironmentTexel],
+}
+
+impl Scene<'_> {
+    /// Where the ray from the eye along `direction` (unit) meets a triangle that it is known to meet.
+    pub fn hit(self, frame: &FrameConstants, direction: Vec3, instance: u32, primitive: u32) -> ScenePoint {
+        let geometry = self.instances[instance as usize];
+        let [a, b, c] = geometry.corners(self.indices, primitive);
+        let eye = frame.camera.position;
+        let corners = [
+            geometry.relative_to(eye, self.positions[a]),
+            geometry.relative_to(eye, self.positions[b]),
+            geometry.relative_to(eye, self.positions[c]),
+        ];
+        ScenePoint::new(instance, primitive, raster::barycentrics(corners, direction))
+    }
+
+    /// The surface at `hit`, if there is one, for a ray from the eye along `direction` (unit), and the radiance that is there unlit.
+    pub fn seen(
+        self,
+        textures: impl Texels,
+        frame: &FrameConstants,
+        direction: Vec3,
+        hit: ScenePoint,
+    ) -> (GBufferTexel, Vec3) {
+        if hit.is_none() {
+            self.background(frame, direction)
+        } else {
+            self.surface(textures, frame, direction, hit)
+        }
+    }
+
+    fn surface(
+        self,
+        textures: impl Texels,
+        frame: &FrameConstants,
+        direction: Vec3,
+        hit: ScenePoint,
+    ) -> (GBufferTexel, Vec3) {
+        let eye = frame.camera.position;
+        let geometry = self.instances[hit.instance() as usize];
+        let corners = geometry.corners(self.indices, hit.primitive);
+        let triangle = triangle(self.positions, self.attributes, corners);
+        let point = geometry.surface_point(triangle, hit.barycentrics);
+        let material = self.materials[geometry.material as usize];
+        let uvs = uv_sets(self.features, triangle.uvs(), self.second_uvs, corners);
+        let place = Place { uvs, barycentrics: hit.barycentrics, features: self.features };
+        let footprint = Footprint::new(
+            ray_cone::spread(&frame.camera, frame.size),
+            (point.position - eye).length(),
+            direction,
+            point.geometric_normal,
+            geometry.double_area(triangle.positions),
+        );
+        let texels = place.texels(textures, &material, footprint);
+        let seen = PrimaryHit { point, material, texels, features: self.features, instance: hit.instance() };
+        (seen.texel(eye), seen.emission(eye))
+    }
+
+    /// What any other ray met at `hit`. Textures are read at their finest level: who integrates over what such rays meet filters
+    /// them by that.
+    pub fn met(self, textures: impl Texels, hit: ScenePoint) -> Met {
+        let geometry = self.instances[hit.instance() as usize];
+        let corners = geometry.corners(self.indices, hit.primitive);
+        let triangle = triangle(self.positions, self.attributes, corners);
+        let point = geometry.surface_point(triangle, hit.barycentrics);
+        let material = self.materials[geometry.material as usize];
+        let uvs = uv_sets(self.features, triangle.uvs(), self.second_uvs, corners);
+        let place = Place { uvs, barycentrics: hit.barycentrics, features: self.features };
+        let texels = place.texels(textures, &material, Footprint::POINT);
+        let seen = PrimaryHit { point, material, texels, features: self.features, instance: hit.instance() };
+        Met { seen, magnitude: geometry.magnitude(triangle.positions) }
+    }
+
+    /// No surface, and the radiance that lies behind the scene along `direction` (unit).
+    fn background(self, frame: &FrameConstants, direction: Vec3) -> (GBufferTexel, Vec3) {
+        let radiance = if self.features & features::ENVIRONMENT != 0 {
+            self.environment[texel_of(direction, frame.environment_size) as usize].radiance
+        } else {
+            frame.background
+        };
+        (GBufferTexel::default(), radiance)
+    }
+}
+
+/// What a ray that did not come from the eye met.
+#[derive(Clone, Copy, Debug)]
+pub struct Met {
+    pub seen: PrimaryHit,
+    /// Largest number that its position was computed from, m (see [`crate::math::offset_ray_origin`]).
+    pub magnitude: f32,
+}
