@@ -16,7 +16,8 @@ impl Display {
     /// None where `CANDELA_ALLOW_NO_GPU=1` says that pictures can't be tested here.
     fn open() -> Option<Display> {
         let server = Command::new("Xvfb")
-            .args(["-displayfd", "1", "-screen", "0", "640x480x24", "-nolisten", "tcp"])
+            // Without -noreset it resets when a client leaves, and the next one may find nobody.
+            .args(["-displayfd", "1", "-screen", "0", "640x480x24", "-nolisten", "tcp", "-noreset"])
             .stdout(Stdio::piped())
             .stderr(Stdio::null())
             .spawn();
