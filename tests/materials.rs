@@ -11,6 +11,7 @@ use glam::{Affine3A, UVec2, Vec2, Vec3};
 use shared::bsdf;
 use shared::frame::Settings;
 use shared::frame::features;
+use shared::light::count::LightCount;
 use shared::material::{Reflectance, UNLIT_WHITE, UvMap, slot};
 use shared::math::luminance;
 use shared::passes::Rays;
@@ -250,7 +251,7 @@ fn a_light_tree_is_made_for_those_who_draw_from_it() {
     let drawn = Settings { cells: 1, ..Settings::default() };
     restir(&mut renderer, camera(SIZE), drawn, 2, 1);
     assert_eq!(added(&renderer, bytes), 5 * 32 + 3 * 8);
-    assert_eq!(light_tree(&LightTable::new(&lit(3))).bytes, 5 * 32 + 3 * 8);
+    assert_eq!(light_tree(LightCount::of(&LightTable::new(&lit(3)).lights)).bytes, 5 * 32 + 3 * 8);
     renderer.replace_lights(&lit(5), &LightEdits::default()).unwrap();
     // This frame stages the change.
     restir(&mut renderer, camera(SIZE), Settings::default(), 1, 1);

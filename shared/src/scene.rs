@@ -2,7 +2,7 @@
 
 use crate::environment::{EnvironmentTexel, texel_of};
 use crate::frame::{FrameConstants, features};
-use crate::geometry::{InstanceGeometry, VertexAttributes};
+use crate::geometry::{InstanceGeometry, SurfacePoint, VertexAttributes};
 use crate::material::Material;
 use crate::points::ScenePoint;
 use crate::raster;
@@ -61,28 +61,27 @@ impl Scene<'_> {
         hit: ScenePoint,
     ) -> (GBufferTexel, Vec3) {
         let eye = frame.camera.position;
-        let geometry = self.instances[hit.instance() as usize];
-        let corners = geometry.corners(self.indices, hit.primitive);
-        let triangle = triangle(self.positions, self.attributes, corners);
-        let point = geometry.surface_point(triangle, hit.barycentrics);
-        let material = self.materials[geometry.material as usize];
-        let uvs = uv_sets(self.features, triangle.uvs(), self.second_uvs, corners);
-        let place = Place { uvs, barycentrics: hit.barycentrics, features: self.features };
-        let footprint = Footprint::new(
-            ray_cone::spread(&frame.camera, frame.size),
-            (point.position - eye).length(),
-            direction,
-            point.geometric_normal,
-            geometry.double_area(triangle.positions),
-        );
-        let texels = place.texels(textures, &material, footprint);
-        let seen = PrimaryHit { point, material, texels, features: self.features, instance: hit.instance() };
+        let spread = ray_cone::spread(&frame.camera, frame.size);
+        let Met { seen, .. } = self.at(textures, hit, |point, double_area| {
+            let distance = (point.position - eye).length();
+            Footprint::new(spread, distance, direction, point.geometric_normal, double_area)
+        });
         (seen.texel(eye), seen.emission(eye))
     }
 
     /// What any other ray met at `hit`. Textures are read at their finest level: who integrates over what such rays meet filters
     /// them by that.
     pub fn met(self, textures: impl Texels, hit: ScenePoint) -> Met {
+        self.at(textures, hit, |_, _| Footprint::POINT)
+    }
+
+    /// What is at `hit`. Textures are read under the `footprint` of the point and twice the area of its triangle, m².
+    fn at(
+        self,
+        textures: impl Texels,
+        hit: ScenePoint,
+        footprint: impl FnOnce(&SurfacePoint, f32) -> Footprint,
+    ) -> Met {
         let geometry = self.instances[hit.instance() as usize];
         let corners = geometry.corners(self.indices, hit.primitive);
         let triangle = triangle(self.positions, self.attributes, corners);
@@ -90,7 +89,8 @@ impl Scene<'_> {
         let material = self.materials[geometry.material as usize];
         let uvs = uv_sets(self.features, triangle.uvs(), self.second_uvs, corners);
         let place = Place { uvs, barycentrics: hit.barycentrics, features: self.features };
-        let texels = place.texels(textures, &material, Footprint::POINT);
+        let footprint = footprint(&point, geometry.double_area(triangle.positions));
+        let texels = place.texels(textures, &material, footprint);
         let seen = PrimaryHit { point, material, texels, features: self.features, instance: hit.instance() };
         Met { seen, magnitude: geometry.magnitude(triangle.positions) }
     }
@@ -106,7 +106,7 @@ impl Scene<'_> {
     }
 }
 
-/// What a ray that did not come from the eye met.
+/// What a ray met.
 #[derive(Clone, Copy, Debug)]
 pub struct Met {
     pub seen: PrimaryHit,

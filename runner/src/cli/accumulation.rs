@@ -18,7 +18,8 @@ pub const NOTHING: f32 = 1e10;
 /// The mean of frames, and of paths that are added to them.
 pub struct Accumulation {
     frames: Light,
-    paths: Light,
+    /// None before the first ones.
+    paths: Option<Light>,
     /// Of the frames, where layers are asked for, nit.
     emission: Option<Mean>,
 }
@@ -62,8 +63,8 @@ fn sum(mut a: Vec<Vec3>, b: &[Vec3]) -> Vec<Vec3> {
 impl Accumulation {
     /// Of no frames yet. `layers`: they will be rendered in parts.
     pub fn new(size: UVec2, layers: bool) -> Self {
-        let light = || Light::new(size, layers);
-        Accumulation { frames: light(), paths: light(), emission: layers.then(|| Mean::new(size)) }
+        let emission = layers.then(|| Mean::new(size));
+        Accumulation { frames: Light::new(size, layers), paths: None, emission }
     }
 
     /// One more: the last frame of `renderer`.
@@ -78,11 +79,13 @@ impl Accumulation {
 
     /// One more path a pixel: the last frame of `renderer`, which held them alone.
     pub fn add_paths(&mut self, renderer: &Renderer) -> Result<()> {
-        let radiance = match self.paths.add_lobes(renderer)? {
+        let layers = self.emission.is_some();
+        let paths = self.paths.get_or_insert_with(|| Light::new(renderer.size(), layers));
+        let radiance = match paths.add_lobes(renderer)? {
             Some(radiance) => radiance,
             None => renderer.radiance()?,
         };
-        self.paths.radiance.add(&radiance);
+        paths.radiance.add(&radiance);
         Ok(())
     }
 
@@ -93,15 +96,22 @@ impl Accumulation {
 
     /// Mean of the pixels' standard errors over the mean luminance.
     pub fn relative_standard_error(&self) -> f64 {
-        let errors = [&self.frames, &self.paths].map(|light| light.radiance.standard_errors());
-        let error: f64 = errors[0].iter().zip(&errors[1]).map(|(a, b)| a.hypot(*b)).sum();
+        let mut errors = self.frames.radiance.standard_errors();
+        if let Some(paths) = &self.paths {
+            errors.iter_mut().zip(paths.radiance.standard_errors()).for_each(|(a, b)| *a = a.hypot(b));
+        }
+        let error: f64 = errors.iter().sum();
         let luminance: f64 = self.radiance().iter().map(|&c| f64::from(luminance(c))).sum();
         if luminance > 0.0 { error / luminance } else { 0.0 }
     }
 
     /// Of frames and paths together.
     fn light(&self, mean: impl Fn(&Light) -> Option<&Mean>) -> Option<Vec<Vec3>> {
-        Some(sum(mean(&self.frames)?.radiance(), &mean(&self.paths)?.radiance()))
+        let frames = mean(&self.frames)?.radiance();
+        Some(match self.paths.as_ref().and_then(mean) {
+            Some(paths) => sum(frames, &paths.radiance()),
+            None => frames,
+        })
     }
 
     /// Writes an .exr; its layers are the parts, and what the last frame of `renderer` saw from `camera`.

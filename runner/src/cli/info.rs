@@ -66,8 +66,9 @@ pub fn run(args: &InfoArgs) -> Result<()> {
     let bounds = scene.bounds();
     let in_file = |p: Vec3| (scene.origin + p.as_dvec3()).to_array();
     let mut memory = memory::costs(&scene, &lights, &arrays);
-    if Knobs::default().settings(LightCount::of(&lights.lights)).cells != 0 {
-        memory.push(memory::light_tree(&lights));
+    let light_count = LightCount::of(&lights.lights);
+    if Knobs::default().settings(light_count).cells != 0 {
+        memory.push(memory::light_tree(light_count));
     }
     let on_device = on_device(args, &scene)?;
     let info = Info {

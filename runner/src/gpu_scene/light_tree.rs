@@ -49,7 +49,6 @@ impl GpuScene {
         let made = buffers(&mut upload, tree)?;
         upload.finish()?;
         self.buffers.extend(made);
-        self.tree_lights = tree.lights.len() as u32;
         for place in PLACES {
             self.set.bind_storage_buffer(place.number(), &self.buffers[&place.resource()]);
         }

@@ -63,10 +63,10 @@ pub fn costs(scene: &SceneDescription, lights: &LightTable, arrays: &SceneArrays
 }
 
 /// The light tree, which the first frame with light cells makes.
-pub fn light_tree(lights: &LightTable) -> Cost {
-    let placed = LightCount::of(&lights.lights).placed as usize;
+pub fn light_tree(lights: LightCount) -> Cost {
+    let placed = lights.placed as usize;
     let nodes = (2 * placed).saturating_sub(1) * size_of::<TreeNode>();
-    let bytes = nodes + (placed + lights.lights.len()) * size_of::<u32>();
+    let bytes = nodes + (placed + lights.number as usize) * size_of::<u32>();
     Cost {
         feature: "light tree",
         bytes: bytes as u64,

@@ -35,7 +35,6 @@ const STORAGE: vk::BufferUsageFlags = vk::BufferUsageFlags::STORAGE_BUFFER;
 pub struct GpuScene {
     set: DescriptorSet,
     lights: LightCount,
-    tree_lights: u32,
     tree_is_made: bool,
     environment_size: UVec2,
     first_environment_light: u32,
@@ -124,7 +123,6 @@ impl GpuScene {
             unlit: unlit.map(|(i, material)| (i, material.base_color.truncate())).collect(),
             set,
             lights: LightCount::of(&lights.lights),
-            tree_lights: 0,
             tree_is_made: false,
             environment_size: environment_size(scene),
             first_environment_light: lights.first_environment as u32,
@@ -175,7 +173,7 @@ impl GpuScene {
 
     /// Lights of the light tree; 0 before it is made.
     pub fn tree_lights(&self) -> u32 {
-        self.tree_lights
+        if self.tree_is_made { self.lights.placed } else { 0 }
     }
 
     /// Texels of the environment map; 0 without one.
