@@ -40,7 +40,7 @@ fn lit_screens() -> SceneDescription {
         let angle = i as f32 * 2.4;
         let position =
             Vec3::new(angle.cos() * 0.3 * i as f32, 1.0 + (i % 3) as f32, angle.sin() * 0.3 * i as f32);
-        PointLight { position, intensity: Vec3::new(1.0, 0.8, 0.5) * 4f32.powi(i % 4) }
+        PointLight { position, intensity: Vec3::new(1.0, 0.8, 0.5) * 4f32.powi(i % 4), radius: 0.0 }
     };
     let emitters = (0..3).map(|i| {
         let center = Vec3::new(i as f32 - 1.0, 2.5, 0.3 * i as f32);

@@ -9,7 +9,7 @@ use tests::scenes::{camera, floor_bsdf, floor_point, floor_radiance, scene, squa
 
 const SIZE: UVec2 = UVec2::new(96, 64);
 const LIGHT: PointLight =
-    PointLight { position: Vec3::new(0.4, 2.0, -0.3), intensity: Vec3::new(100.0, 80.0, 60.0) };
+    PointLight { position: Vec3::new(0.4, 2.0, -0.3), intensity: Vec3::new(100.0, 80.0, 60.0), radius: 0.0 };
 
 fn pixels() -> impl Iterator<Item = (usize, UVec2)> {
     (0..SIZE.x * SIZE.y).map(|i| (i as usize, UVec2::new(i % SIZE.x, i / SIZE.x)))
@@ -66,7 +66,7 @@ fn the_reference_sums_every_light_once() {
             let angle = i as f32 * 2.4;
             let radius = 0.02 * i as f32;
             let position = Vec3::new(radius * angle.cos(), 0.5 + (i % 7) as f32 * 0.2, radius * angle.sin());
-            PointLight { position, intensity: Vec3::new(1.0, 2.0, 3.0) * (1.0 + (i % 5) as f32) }
+            PointLight { position, intensity: Vec3::new(1.0, 2.0, 3.0) * (1.0 + (i % 5) as f32), radius: 0.0 }
         })
         .collect();
     let camera = camera(SIZE);
@@ -128,8 +128,8 @@ type Radiance<'a> = &'a dyn Fn(DVec3, DVec3) -> DVec3;
 fn a_spot_over_a_floor() {
     let axis = Vec3::new(0.2, -1.0, -0.1).normalize();
     let (inner_angle, outer_angle) = (0.2f32, 0.6f32);
-    let PointLight { position, intensity } = LIGHT;
-    let spot = SpotLight { position, axis, intensity, inner_angle, outer_angle };
+    let PointLight { position, intensity, .. } = LIGHT;
+    let spot = SpotLight { position, axis, intensity, inner_angle, outer_angle, radius: 0.0 };
     let radiance = |x: DVec3, eye: DVec3, power: i32| {
         let [cos_inner, cos_outer] = [inner_angle, outer_angle].map(|a| f64::from(a).cos());
         let cos = (x - position.as_dvec3()).normalize().dot(axis.as_dvec3());

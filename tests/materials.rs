@@ -22,7 +22,7 @@ use tests::statistics::{assert_means, block_means, largest_z, replicas};
 
 const SIZE: UVec2 = UVec2::new(96, 64);
 const LIGHT: PointLight =
-    PointLight { position: Vec3::new(0.4, 2.0, -0.3), intensity: Vec3::new(100.0, 80.0, 60.0) };
+    PointLight { position: Vec3::new(0.4, 2.0, -0.3), intensity: Vec3::new(100.0, 80.0, 60.0), radius: 0.0 };
 
 fn pixels() -> impl Iterator<Item = (usize, UVec2)> {
     (0..SIZE.x * SIZE.y).map(|i| (i as usize, UVec2::new(i % SIZE.x, i / SIZE.x)))

@@ -45,8 +45,11 @@ fn node(scene: &mut SceneDescription, thing: Thing) -> usize {
 /// Over the floor, within 3 s: a screen that runs 1.5 m, a point light that runs the other way, and an emissive quad that
 /// runs, turns and grows to nine times its area; some lights rest.
 fn moving() -> SceneDescription {
-    let lights = [(-1.5, 2.0, -0.5), (1.0, 1.5, 0.8), (0.2, 2.5, -1.5)]
-        .map(|(x, y, z)| PointLight { position: Vec3::new(x, y, z), intensity: Vec3::new(9.0, 8.0, 6.0) });
+    let lights = [(-1.5, 2.0, -0.5), (1.0, 1.5, 0.8), (0.2, 2.5, -1.5)].map(|(x, y, z)| PointLight {
+        position: Vec3::new(x, y, z),
+        intensity: Vec3::new(9.0, 8.0, 6.0),
+        radius: 0.0,
+    });
     let mut scene = scene(vec![], vec![Material::default(), emitter(Vec3::splat(60.0))], lights.to_vec());
     let screen = add(&mut scene, square(Vec3::ZERO, Vec3::Z * 0.6, Vec3::X * 0.5, 1));
     let quad = add(&mut scene, square(Vec3::ZERO, Vec3::X * 0.2, Vec3::Z * 0.2, 2));
@@ -167,7 +170,7 @@ fn points_that_last_are_right_where_things_move() {
 #[test]
 fn a_light_that_goes_takes_its_energy_along() {
     let Some(device) = device() else { return };
-    let light = |x: f32, intensity| PointLight { position: Vec3::new(x, 1.5, 0.0), intensity };
+    let light = |x: f32, intensity| PointLight { position: Vec3::new(x, 1.5, 0.0), intensity, radius: 0.0 };
     let (red, green) = (light(-0.5, Vec3::X * 200.0), light(0.5, Vec3::Y * 20.0));
     let both = scene(vec![], vec![], vec![red, green]);
     let dark = PointLight { intensity: Vec3::ZERO, ..red };
@@ -257,7 +260,7 @@ fn a_turning_box_keeps_its_history() {
     };
     let (x, y, z) = (Vec3::X, Vec3::Y, Vec3::Z);
     let sides = [side(x, y), side(y, x), side(y, z), side(z, y), side(z, x), side(x, z)];
-    let light = PointLight { position: Vec3::new(1.0, 3.0, 3.0), intensity: Vec3::splat(50.0) };
+    let light = PointLight { position: Vec3::new(1.0, 3.0, 3.0), intensity: Vec3::splat(50.0), radius: 0.0 };
     let mut scene = scene(vec![], vec![Material::default()], vec![light]);
     let turning = add(&mut scene, sides[0].clone());
     scene.meshes[1].primitives = sides.to_vec();

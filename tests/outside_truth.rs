@@ -144,7 +144,7 @@ fn camera(scene: &SceneDescription) -> Camera {
 fn our_reference(device: &Gpu, scene: &SceneDescription) -> Mean {
     let frames = match candela::scene::lights::LightTable::new(scene).lights {
         lights if lights.iter().any(|l| l.kind == kind::ENVIRONMENT) => 48,
-        lights if lights.iter().any(|l| l.kind == kind::TRIANGLE) => 256,
+        lights if lights.iter().any(|l| l.has_extent()) => 256,
         _ => 1,
     };
     let mut renderer = renderer(device, scene, SIZE, 0);

@@ -25,6 +25,7 @@ fn horizon() -> (SceneDescription, Camera) {
     let light = |i: i32| PointLight {
         position: Vec3::new((i % 5) as f32 - 2.0, 1.0 + (i % 3) as f32 * 0.5, (i / 5) as f32 - 2.0),
         intensity: Vec3::splat(2f32.powi(i % 4)),
+        radius: 0.0,
     };
     let scene = occluded(scene(vec![], vec![], (0..20).map(light).collect()));
     (scene, Camera::new(Vec3::new(0.0, 2.0, 5.0), Vec3::new(0.0, -1.5, -5.0), Vec3::Y, 1.0, SIZE))

@@ -163,7 +163,7 @@ pub mod features {
     /// There is an environment map.
     pub const ENVIRONMENT: u32 = 1 << 16;
     /// There are lights of [`crate::light::kind`] k where bit k above this one is set.
-    pub const FIRST_LIGHT_KIND: u32 = 24;
+    pub const FIRST_LIGHT_KIND: u32 = 17;
 
     /// All those bits.
     pub const LIGHT_KINDS: u32 = u32::MAX << FIRST_LIGHT_KIND;

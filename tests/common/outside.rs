@@ -3,10 +3,10 @@
 use crate::scenes::{self, emitter};
 use candela::scene::procedural::shapes::{Shape, cuboid, polygon, sphere};
 use candela::scene::{
-    DirectionalLight, Environment, Filter, Image, Instance, Material, Mesh, Mips, PointLight, SceneCamera,
-    SceneDescription, SpotLight, Texture, Workflow, Wrap, fixtures,
+    DirectionalLight, Environment, Filter, Image, Instance, Material, Mesh, Mips, PanelLight, PanelShape,
+    PointLight, SceneCamera, SceneDescription, SpotLight, Texture, Workflow, Wrap, fixtures,
 };
-use glam::{Affine3A, UVec2, Vec3, Vec3Swizzles};
+use glam::{Affine3A, UVec2, Vec2, Vec3, Vec3Swizzles};
 use shared::interface::UNBOUNDED;
 use shared::material::{UvMap, slot};
 use std::sync::Arc;
@@ -25,6 +25,7 @@ pub fn all() -> Vec<SceneDescription> {
         triangle(),
         environment(),
         textured(),
+        extended(),
     ];
     // As files: a room under a lamp; instances turned, stretched and mirrored, with vertex colors.
     let files = fixtures::all().into_iter().filter(|(name, _)| ["cornell-box", "instances"].contains(name));
@@ -86,7 +87,7 @@ fn plain(name: &str) -> SceneDescription {
 }
 
 const KEY: PointLight =
-    PointLight { position: Vec3::new(1.5, 3.0, 2.0), intensity: Vec3::new(100.0, 90.0, 80.0) };
+    PointLight { position: Vec3::new(1.5, 3.0, 2.0), intensity: Vec3::new(100.0, 90.0, 80.0), radius: 0.0 };
 
 /// A square of 1 m that faces the stage from above, as two triangles.
 fn add_lamp(scene: &mut SceneDescription, radiance: Vec3) {
@@ -216,7 +217,7 @@ fn textured_room() -> SceneDescription {
 
 fn point() -> SceneDescription {
     let light = |position: [f32; 3], intensity: [f32; 3]| {
-        PointLight { position: position.into(), intensity: intensity.into() }.into()
+        PointLight { position: position.into(), intensity: intensity.into(), radius: 0.0 }.into()
     };
     let mut scene = plain("point");
     scene.lights = vec![
@@ -230,7 +231,7 @@ fn point() -> SceneDescription {
 fn spot() -> SceneDescription {
     let spot = |position: Vec3, target: Vec3, intensity: Vec3, inner_angle: f32, outer_angle: f32| {
         let axis = (target - position).normalize();
-        SpotLight { position, axis, intensity, inner_angle, outer_angle }.into()
+        SpotLight { position, axis, intensity, inner_angle, outer_angle, radius: 0.0 }.into()
     };
     let mut scene = plain("spot");
     scene.lights = vec![
@@ -259,6 +260,37 @@ fn triangle() -> SceneDescription {
         Affine3A::IDENTITY,
         emitter(Vec3::new(5.0, 15.0, 40.0)),
     );
+    scene
+}
+
+/// A sphere, a rectangle and a disk, out of sight: Mitsuba's are shapes.
+fn extended() -> SceneDescription {
+    let mut scene = stage(
+        "extended",
+        [
+            Material { metallic: 1.0, ..colored([1.0, 0.77, 0.34], 0.5) },
+            colored([0.8, 0.8, 0.8], 1.0),
+            colored([0.1, 0.3, 0.6], 0.4),
+        ],
+    );
+    let panel = |position: Vec3, target: Vec3, size: Vec2, shape, radiance| {
+        let axis = (target - position).normalize();
+        let up = Vec3::new(0.2, 1.0, 0.1).reject_from_normalized(axis).normalize();
+        PanelLight { position, axis, up, size, shape, radiance }
+    };
+    let (left, right) = (Vec3::new(-2.6, 1.2, 0.8), Vec3::new(2.4, 1.9, -0.6));
+    let warm = Vec3::new(30.0, 18.0, 9.0);
+    let cold = Vec3::new(10.0, 20.0, 40.0);
+    scene.lights = vec![
+        PointLight {
+            position: Vec3::new(0.8, 2.9, 1.2),
+            intensity: Vec3::new(14.0, 12.0, 9.0),
+            radius: 0.35,
+        }
+        .into(),
+        panel(left, Vec3::new(-0.3, 0.2, 0.0), Vec2::new(1.2, 0.5), PanelShape::Rectangle, warm).into(),
+        panel(right, Vec3::new(0.5, 0.3, 0.2), Vec2::splat(0.8), PanelShape::Disk, cold).into(),
+    ];
     scene
 }
 

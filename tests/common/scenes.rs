@@ -107,7 +107,7 @@ pub fn many_lights() -> SceneDescription {
             let angle = i as f32 * 2.4;
             let radius = 0.25 * i as f32;
             let position = Vec3::new(radius * angle.cos(), 1.0 + (i % 3) as f32 * 0.5, radius * angle.sin());
-            PointLight { position, intensity: Vec3::new(1.0, 0.8, 0.5) * 5.0 * strength(i) }
+            PointLight { position, intensity: Vec3::new(1.0, 0.8, 0.5) * 5.0 * strength(i), radius: 0.0 }
         })
         .collect();
     let triangles = (0..6).map(|i| {
@@ -134,6 +134,7 @@ pub fn spots() -> SceneDescription {
             intensity: Vec3::new(0.3, 0.8, 1.0) * 3f32.powi(i % 4),
             inner_angle: 0.1 * i as f32,
             outer_angle: 1.35,
+            radius: 0.0,
         }
     };
     SceneDescription { lights: (0..9).map(spot).map(Into::into).collect(), ..scene(vec![], vec![], vec![]) }

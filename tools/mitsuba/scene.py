@@ -10,7 +10,7 @@ import numpy as np
 import gltf_bsdf  # noqa: F401 (registers)
 import gltf_spot  # noqa: F401
 
-VERSION = 2
+VERSION = 3
 # Copies of each texel of an environment map along its sides: see `environment`.
 ENVIRONMENT_WIDTH = 4096
 
@@ -43,11 +43,16 @@ class Scene:
             if any(material["emission"]):
                 self.lights[f"shape{i}"] = area(material, textures)
         for i, light in enumerate(root["point_lights"]):
+            if light["radius"]:
+                self.lights[f"sphere{i}"] = sphere(light)
+                continue
             self.lights[f"point{i}"] = {
                 "type": "point",
                 "position": light["position"],
                 "intensity": rgb(light["intensity"]),
             }
+        for i, light in enumerate(root["panel_lights"]):
+            self.lights[f"panel{i}"] = panel(light)
         for i, light in enumerate(root["spot_lights"]):
             self.lights[f"spot{i}"] = spot(light, plant)
         for i, light in enumerate(root["directional_lights"]):
@@ -59,7 +64,7 @@ class Scene:
 
     def is_exact(self, light):
         """One sample says it all: the light has no extent."""
-        return not light.startswith(("shape", "sky"))
+        return not light.startswith(("shape", "sphere", "panel", "sky"))
 
     def lit_by(self, lights):
         """The Mitsuba scene with these lights. With one alone no sample is spent on choosing, and light adds up."""
@@ -160,6 +165,20 @@ class Textures:
             "wrap_mode": self.WRAPS[texture["wrap"][0]],
             "to_uv": mi.ScalarTransform4f([[a, b, 0, c], [d, e, 0, f], [0, 0, 1, 0], [0, 0, 0, 1]]),
         }
+
+
+def sphere(light):
+    radius = light["radius"]
+    radiance = np.divide(light["intensity"], np.pi * radius**2)
+    emitter = {"type": "area", "radiance": rgb(radiance)}
+    return {"type": "sphere", "center": light["position"], "radius": radius, "emitter": emitter}
+
+
+def panel(light):
+    half = [side / 2 for side in light["size"]]
+    place = look_at(light["position"], light["axis"], light["up"])
+    emitter = {"type": "area", "radiance": rgb(light["radiance"])}
+    return {"type": light["shape"], "to_world": place @ mi.ScalarTransform4f().scale([*half, 1]), "emitter": emitter}
 
 
 def spot(light, plant):

@@ -70,7 +70,8 @@ fn trs(translation: DVec3) -> Local {
 
 fn spot(axis: Vec3) -> PlacedLight {
     let (inner_angle, outer_angle) = (0.1, 0.2);
-    SpotLight { position: Vec3::ZERO, axis, intensity: Vec3::ONE, inner_angle, outer_angle }.into()
+    SpotLight { position: Vec3::ZERO, axis, intensity: Vec3::ONE, inner_angle, outer_angle, radius: 0.0 }
+        .into()
 }
 
 /// A turntable at (10, 0, 0) that makes a quarter turn about z in 1 s; on it, 2 m out, an arm that slides along it, and at its
@@ -101,7 +102,10 @@ fn turntable() -> SceneDescription {
     SceneDescription {
         meshes: vec![Mesh { name: String::new(), primitives: vec![triangle] }],
         instances: vec![Instance { name: String::new(), mesh: 0, transform: Default::default() }],
-        lights: vec![PointLight { position: Vec3::ZERO, intensity: Vec3::ONE }.into(), spot(Vec3::Y)],
+        lights: vec![
+            PointLight { position: Vec3::ZERO, intensity: Vec3::ONE, radius: 0.0 }.into(),
+            spot(Vec3::Y),
+        ],
         cameras: vec![SceneCamera {
             name: "arm".into(),
             position: Vec3::ZERO,

@@ -4,11 +4,11 @@
 
 use super::animation::{Curve, Interpolation, Local, Thing};
 use super::{
-    Image, Instance, Material, Mesh, Mips, PlacedLight, Primitive, SceneCamera, SceneDescription, Texture,
-    Wrap,
+    Image, Instance, Material, Mesh, Mips, PanelLight, PanelShape, PlacedLight, PointLight, Primitive,
+    SceneCamera, SceneDescription, SpotLight, Texture, Wrap,
 };
 use crate::error::{Error, Result};
-use glam::{DMat4, DQuat, DVec3, Mat4, Vec3};
+use glam::{DMat3, DMat4, DQuat, DVec3, Mat4, Vec3};
 use image::ImageEncoder;
 use serde_json::{Map, Value, json};
 use std::collections::HashSet;
@@ -101,7 +101,8 @@ fn document(scene: &SceneDescription) -> Result<(Map<String, Value>, Vec<u8>)> {
     let materials: Vec<Value> = scene.materials.iter().map(material_json).collect();
     let (nodes, roots) = nodes_json(scene);
     let animations = animations_json(scene, nodes.len() - scene.animation.nodes.len(), &mut bin);
-    let lights: Vec<Value> = scene.lights.iter().map(light_json).collect();
+    let (panels, lights): (Vec<&PlacedLight>, Vec<&PlacedLight>) =
+        scene.lights.iter().partition(|light| is_panel(light));
     let mut root = Map::new();
     root.insert("asset".into(), json!({ "version": "2.0", "generator": "Candela" }));
     if !nodes.is_empty() {
@@ -109,9 +110,16 @@ fn document(scene: &SceneDescription) -> Result<(Map<String, Value>, Vec<u8>)> {
         root.insert("scenes".into(), json!([{ "name": scene.name, "nodes": roots }]));
     }
     let mut used = Vec::new();
-    if !lights.is_empty() {
-        used.push("KHR_lights_punctual");
-        root.insert("extensions".into(), json!({ "KHR_lights_punctual": { "lights": lights } }));
+    let mut extensions = Map::new();
+    for (extension, lights) in [(AREA, panels), (PUNCTUAL, lights)] {
+        if !lights.is_empty() {
+            used.push(extension);
+            let lights: Vec<Value> = lights.into_iter().map(light_json).collect();
+            extensions.insert(extension.into(), json!({ "lights": lights }));
+        }
+    }
+    if !extensions.is_empty() {
+        root.insert("extensions".into(), extensions.into());
     }
     if scene.materials.iter().any(|material| material.emission.max_element() > 1.0) {
         used.push("KHR_materials_emissive_strength");
@@ -258,18 +266,42 @@ fn material_json(material: &Material) -> Value {
     json
 }
 
-/// KHR_lights_punctual: cd or lx; the color's largest component is 1.
+/// The extensions that list lights.
+const PUNCTUAL: &str = "KHR_lights_punctual";
+const AREA: &str = "EXT_lights_area";
+
+fn is_panel(light: &PlacedLight) -> bool {
+    matches!(light, PlacedLight::Panel(_))
+}
+
+/// KHR_lights_punctual: cd or lx; EXT_lights_area: nit. The color's largest component is 1.
 fn light_json(light: &PlacedLight) -> Value {
     let (kind, emission) = match light {
         PlacedLight::Point(l) => ("point", l.intensity),
         PlacedLight::Spot(l) => ("spot", l.intensity),
         PlacedLight::Directional(l) => ("directional", l.illuminance),
+        PlacedLight::Panel(PanelLight { shape: PanelShape::Disk, radiance, .. }) => ("disk", *radiance),
+        PlacedLight::Panel(l) => ("rect", l.radiance),
     };
     let intensity = emission.max_element();
     let color = if intensity > 0.0 { emission / intensity } else { Vec3::ONE };
     let mut json = json!({ "type": kind, "color": color.to_array(), "intensity": intensity });
-    if let PlacedLight::Spot(l) = light {
-        json["spot"] = json!({ "innerConeAngle": l.inner_angle, "outerConeAngle": l.outer_angle });
+    match light {
+        PlacedLight::Spot(l) => {
+            json["spot"] = json!({ "innerConeAngle": l.inner_angle, "outerConeAngle": l.outer_angle });
+        }
+        PlacedLight::Panel(l) => {
+            json["size"] = json!(l.size.y);
+            if l.shape == PanelShape::Rectangle {
+                json["rect"] = json!({ "aspect": l.size.x / l.size.y });
+            }
+        }
+        PlacedLight::Point(_) | PlacedLight::Directional(_) => {}
+    }
+    if let PlacedLight::Point(PointLight { radius, .. }) | PlacedLight::Spot(SpotLight { radius, .. }) = light
+        && *radius > 0.0
+    {
+        json["extras"] = json!({ "radius": radius });
     }
     json
 }
@@ -277,17 +309,21 @@ fn light_json(light: &PlacedLight) -> Value {
 /// The node of a light that stands still. It shines along -z.
 fn light_node(light: &PlacedLight) -> Map<String, Value> {
     let mut node = Map::new();
-    let axis = match light {
+    let along = |axis: Vec3| DQuat::from_rotation_arc(DVec3::NEG_Z, axis.as_dvec3().normalize());
+    let turn = match light {
         PlacedLight::Point(_) => None,
-        PlacedLight::Spot(l) => Some(l.axis),
-        PlacedLight::Directional(l) => Some(-l.direction),
+        PlacedLight::Spot(l) => Some(along(l.axis)),
+        PlacedLight::Directional(l) => Some(along(-l.direction)),
+        PlacedLight::Panel(l) => {
+            let axes = [l.axis.cross(l.up), l.up, -l.axis].map(Vec3::as_dvec3);
+            Some(DQuat::from_mat3(&DMat3::from_cols(axes[0], axes[1], axes[2])).normalize())
+        }
     };
     if let Some(position) = light.position() {
         node.insert("translation".into(), json!(position.to_array()));
     }
-    if let Some(axis) = axis {
-        let turn = DQuat::from_rotation_arc(DVec3::NEG_Z, axis.as_dvec3().normalize()).as_quat();
-        node.insert("rotation".into(), json!(turn.to_array()));
+    if let Some(turn) = turn {
+        node.insert("rotation".into(), json!(turn.as_quat().to_array()));
     }
     node
 }
@@ -323,9 +359,15 @@ fn nodes_json(scene: &SceneDescription) -> (Vec<Value>, Vec<usize>) {
         let matrix = Mat4::from_cols(axes[0], axes[1], axes[2], camera.position.extend(1.0));
         json!({ "name": camera.name, "camera": i, "matrix": matrix.to_cols_array() })
     };
+    let panels: Vec<usize> = (0..scene.lights.len()).filter(|&i| is_panel(&scene.lights[i])).collect();
     let light = |(i, light): (usize, &PlacedLight)| {
         let mut node = if moves(Thing::Light(i)) { Map::new() } else { light_node(light) };
-        node.insert("extensions".into(), json!({ "KHR_lights_punctual": { "light": i } }));
+        let (extension, place) = if is_panel(light) {
+            (AREA, panels.partition_point(|&panel| panel < i))
+        } else {
+            (PUNCTUAL, i - panels.partition_point(|&panel| panel < i))
+        };
+        node.insert("extensions".into(), json!({ extension: { "light": place } }));
         node.into()
     };
     let instances = scene.instances.iter().enumerate().map(instance);

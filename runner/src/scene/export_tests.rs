@@ -54,7 +54,12 @@ fn small_scene() -> SceneDescription {
             texture(false, [Wrap::ClampToEdge; 2]),
         ],
         lights: vec![
-            PointLight { position: Vec3::new(1.0, 2.0, 3.0), intensity: Vec3::new(8.0, 2.0, 4.0) }.into(),
+            PointLight {
+                position: Vec3::new(1.0, 2.0, 3.0),
+                intensity: Vec3::new(8.0, 2.0, 4.0),
+                radius: 0.0,
+            }
+            .into(),
         ],
         cameras: vec![SceneCamera {
             name: "eye".into(),
@@ -70,6 +75,52 @@ fn small_scene() -> SceneDescription {
 
 fn world(node: &gltf::Node) -> Mat4 {
     Mat4::from_cols_array_2d(&node.transform().matrix())
+}
+
+#[test]
+fn lights_of_all_kinds_survive() {
+    use crate::scene::{DirectionalLight, PanelLight, PanelShape, SpotLight};
+    let axis = Vec3::new(0.36, -0.48, 0.8);
+    let up = Vec3::Y.reject_from_normalized(axis).normalize();
+    let panel = |shape, size| PanelLight {
+        position: Vec3::ONE,
+        axis,
+        up,
+        size,
+        shape,
+        radiance: Vec3::new(9.0, 6.0, 3.0),
+    };
+    let [position, intensity] = [Vec3::X, Vec3::new(8.0, 4.0, 2.0)];
+    let (inner_angle, outer_angle) = (0.25, 0.5);
+    let lights: Vec<PlacedLight> = vec![
+        PointLight { position, intensity, radius: 0.25 }.into(),
+        panel(PanelShape::Rectangle, glam::Vec2::new(1.5, 0.5)).into(),
+        SpotLight { position, axis, intensity, inner_angle, outer_angle, radius: 0.125 }.into(),
+        panel(PanelShape::Disk, glam::Vec2::splat(0.5)).into(),
+        DirectionalLight { direction: -axis, illuminance: intensity }.into(),
+        SpotLight { position, axis, intensity, inner_angle, outer_angle, radius: 0.0 }.into(),
+    ];
+    let scene = SceneDescription { lights: lights.clone(), ..small_scene() };
+    let folder = std::env::temp_dir().join(format!("candela-lights-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let path = folder.join("lights.glb");
+    std::fs::write(&path, to_glb(&scene).unwrap()).unwrap();
+    let read = crate::scene::gltf::load(&path).unwrap().lights;
+    std::fs::remove_dir_all(&folder).unwrap();
+    assert_eq!(read.len(), lights.len());
+    for (read, written) in read.iter().zip(&lights) {
+        let [read, written] = [read, written].map(|light| light.light(|| 1.0));
+        assert_eq!(read.kind, written.kind);
+        let near = |a: Vec3, b: Vec3| (a - b).length() < 1e-5 * (1.0 + b.length());
+        let pairs = [
+            (read.position, written.position),
+            (read.emission, written.emission),
+            (read.edge1, written.edge1),
+            (read.edge2, written.edge2),
+        ];
+        assert!(pairs.iter().all(|&(a, b)| near(a, b)), "{read:?} instead of {written:?}");
+        assert!((read.area - written.area).abs() < 1e-5);
+    }
 }
 
 #[test]

@@ -144,7 +144,7 @@ fn point_lights() -> SceneDescription {
         let (x, z) = (f32::from(i % 5) - 2.0, f32::from(i / 5) - 2.0);
         let color = Vec3::new(1.0 + f32::from(i % 3), 1.0 + f32::from(i % 4), 1.0 + f32::from(i % 5));
         let position = Vec3::new(1.2 * x, 1.0, 1.2 * z);
-        scene.lights.push(PointLight { position, intensity: 2.0 * color }.into());
+        scene.lights.push(PointLight { position, intensity: 2.0 * color, radius: 0.0 }.into());
     }
     scene
 }
@@ -156,7 +156,7 @@ fn occluder() -> SceneDescription {
     let screen = Material { double_sided: true, ..diffuse([0.5, 0.2, 0.1]) };
     add(&mut scene, "screen", square(0.3, 1.0, Vec3::Y), screen);
     let (position, intensity) = (Vec3::new(0.0, 2.0, 0.0), Vec3::splat(100.0));
-    scene.lights.push(PointLight { position, intensity }.into());
+    scene.lights.push(PointLight { position, intensity, radius: 0.0 }.into());
     scene
 }
 
@@ -191,7 +191,7 @@ fn instances() -> SceneDescription {
         scene.instances.push(Instance { name: name.into(), mesh: 1, transform });
     }
     for (x, intensity) in [(-1.5, Vec3::new(60.0, 50.0, 40.0)), (2.0, Vec3::new(30.0, 40.0, 60.0))] {
-        scene.lights.push(PointLight { position: Vec3::new(x, 2.5, 2.0), intensity }.into());
+        scene.lights.push(PointLight { position: Vec3::new(x, 2.5, 2.0), intensity, radius: 0.0 }.into());
     }
     scene
 }
@@ -205,7 +205,7 @@ fn moving() -> SceneDescription {
     add(&mut scene, "block", cuboid(-half, half), diffuse([0.7, 0.3, 0.1]));
     add(&mut scene, "lamp", square(0.3, 0.0, Vec3::NEG_Y), emitter(Vec3::new(60.0, 80.0, 120.0), false));
     let (position, intensity) = (Vec3::new(-1.0, 1.5, 1.0), Vec3::new(20.0, 14.0, 6.0));
-    scene.lights.push(PointLight { position, intensity }.into());
+    scene.lights.push(PointLight { position, intensity, radius: 0.0 }.into());
     let still = Local::Trs { translation: DVec3::ZERO, rotation: DQuat::IDENTITY, scale: DVec3::ONE };
     let node = |parent| Node { parent, base: DAffine3::IDENTITY, rest: still };
     // camera, block, arm, lamp at the arm's end, light

@@ -6,8 +6,8 @@
 
 use super::export::png;
 use super::{
-    AlphaMode, Environment, Image, Instance, Material, PlacedLight, Primitive, SceneCamera, SceneDescription,
-    Workflow, Wrap,
+    AlphaMode, Environment, Image, Instance, Material, PanelShape, PlacedLight, Primitive, SceneCamera,
+    SceneDescription, Workflow, Wrap,
 };
 use crate::error::Result;
 use crate::image_io;
@@ -18,7 +18,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 /// Changes when a reader of the old files would misread the new ones.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 
 /// Writes `scene` as seen by `camera` into `directory`, which is made if it is not there. `scene.json` is written last, as
 /// a whole: a folder with one is complete.
@@ -48,23 +48,30 @@ pub fn left_out(scene: &SceneDescription) -> Vec<String> {
     let second = count(&textured);
     let transparent = count(&|m| m.alpha != AlphaMode::Opaque);
     let unlit = count(&|m| m.unlit);
+    let soft = |light: &&PlacedLight| matches!(light, PlacedLight::Spot(spot) if spot.radius > 0.0);
+    let soft = scene.lights.iter().filter(soft).count();
+    let soft = (soft > 0).then(|| format!("not exported: the radius of {soft} spots"));
     [(second, "a second set of texture coordinates"), (transparent, "transparency"), (unlit, "unlit color")]
         .into_iter()
         .filter(|(materials, _)| *materials > 0)
         .map(|(materials, what)| {
             format!("not exported: {what}, of {materials} of {} materials", scene.materials.len())
         })
+        .chain(soft)
         .collect()
 }
 
 /// All but the shapes and the environment, which have files of their own.
 fn document(scene: &SceneDescription, camera: &SceneCamera) -> Value {
-    let [mut points, mut spots, mut directionals] = [const { Vec::new() }; 3];
+    let [mut points, mut spots, mut directionals, mut panels] = [const { Vec::new() }; 4];
     for light in &scene.lights {
         match light {
             PlacedLight::Point(l) => {
-                points
-                    .push(json!({ "position": l.position.to_array(), "intensity": l.intensity.to_array() }));
+                points.push(json!({
+                    "position": l.position.to_array(),
+                    "intensity": l.intensity.to_array(),
+                    "radius": l.radius,
+                }));
             }
             PlacedLight::Spot(l) => spots.push(json!({
                 "position": l.position.to_array(),
@@ -72,6 +79,17 @@ fn document(scene: &SceneDescription, camera: &SceneCamera) -> Value {
                 "intensity": l.intensity.to_array(),
                 "inner_angle": l.inner_angle,
                 "outer_angle": l.outer_angle,
+            })),
+            PlacedLight::Panel(l) => panels.push(json!({
+                "shape": match l.shape {
+                    PanelShape::Rectangle => "rectangle",
+                    PanelShape::Disk => "disk",
+                },
+                "position": l.position.to_array(),
+                "axis": l.axis.to_array(),
+                "up": l.up.to_array(),
+                "size": l.size.to_array(),
+                "radiance": l.radiance.to_array(),
             })),
             PlacedLight::Directional(l) => directionals.push(
                 json!({ "direction": l.direction.to_array(), "illuminance": l.illuminance.to_array() }),
@@ -94,6 +112,7 @@ fn document(scene: &SceneDescription, camera: &SceneCamera) -> Value {
         "point_lights": points,
         "spot_lights": spots,
         "directional_lights": directionals,
+        "panel_lights": panels,
     })
 }
 

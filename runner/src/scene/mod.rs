@@ -14,7 +14,7 @@ mod source;
 pub mod viewpoint;
 
 pub use environment::Environment;
-pub use lights::placed::{DirectionalLight, PlacedLight, PointLight, SpotLight};
+pub use lights::placed::{DirectionalLight, PanelLight, PanelShape, PlacedLight, PointLight, SpotLight};
 pub use source::{EnvironmentSource, Illumination, load};
 
 use glam::{Affine3A, DVec3, Vec2, Vec3, Vec4};

@@ -35,12 +35,14 @@ pub struct Illumination {
     pub environment: Option<EnvironmentSource>,
     /// Factor on what materials emit.
     pub emissive_scale: f32,
+    /// Of points and spots that bring none, m.
+    pub light_radius: f32,
 }
 
 impl Illumination {
     /// So many point lights, and nothing else.
     pub fn points(lights: usize) -> Self {
-        Illumination { lights, environment: None, emissive_scale: 1.0 }
+        Illumination { lights, environment: None, emissive_scale: 1.0, light_radius: 0.0 }
     }
 }
 
@@ -66,7 +68,7 @@ impl SceneSource {
 
 /// Loads or generates a scene, and lights it.
 pub fn load(source: &SceneSource, illumination: &Illumination) -> Result<SceneDescription> {
-    let &Illumination { lights, ref environment, emissive_scale } = illumination;
+    let &Illumination { lights, ref environment, emissive_scale, light_radius } = illumination;
     let mut scene = startup::timed("scene", || match source {
         SceneSource::Atrium => Ok(atrium::atrium(lights)),
         SceneSource::Knot => Ok(knot::knot()),
@@ -81,5 +83,6 @@ pub fn load(source: &SceneSource, illumination: &Illumination) -> Result<SceneDe
     } else if !is_lit(&scene) {
         scatter(&mut scene, lights, SCATTER_SEED);
     }
+    scene.lights.iter_mut().for_each(|light| light.soften(light_radius));
     Ok(scene)
 }

@@ -50,7 +50,7 @@ impl Source {
             SceneSource::Town => "town".to_string(),
             SceneSource::File(path) => quoted(path),
         };
-        let Illumination { lights, environment, emissive_scale } = &self.illumination;
+        let Illumination { lights, environment, emissive_scale, light_radius } = &self.illumination;
         let sky = environment.as_ref().map_or(String::new(), |environment| {
             let EnvironmentSource { path, scale, rotation } = environment;
             let option = |name: &str, value: f32, usual: f32| match value == usual {
@@ -64,7 +64,11 @@ impl Source {
             1.0 => String::new(),
             scale => format!(" --emissive-scale {scale}"),
         };
-        format!("{scene} {lights}{sky}{emission}")
+        let radius = match *light_radius {
+            0.0 => String::new(),
+            radius => format!(" --light-radius {radius}"),
+        };
+        format!("{scene} {lights}{sky}{emission}{radius}")
     }
 }
 

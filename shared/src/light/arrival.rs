@@ -17,6 +17,9 @@ impl Light {
 
     /// The same where `features` (as in [`super::Lights`]) says which kinds there are.
     pub fn sample_li_among(&self, features: u32, square: Vec2, receiver: Vec3) -> Incident {
+        if is_shape(self.kind, Shape::Seen, features) {
+            return self.seen(square, receiver, features);
+        }
         let place = self.place(square, features);
         if is_shape(self.kind, Shape::Infinity, features) {
             let direction = place.position;
@@ -92,6 +95,11 @@ impl Connection {
 /// emission cosθ' / d². Components that overflow become the largest number: one absurdly near light must not make a NaN
 /// pixel.
 fn fall_off(emission: Vec3, cos_light: f32, ray: &Connection) -> Vec3 {
-    let e = emission * (cos_light * ray.inverse_square);
+    reach(emission, cos_light * ray.inverse_square)
+}
+
+/// emission x `share`, as far as f32 goes.
+pub(super) fn reach(emission: Vec3, share: f32) -> Vec3 {
+    let e = emission * share;
     Vec3::new(e.x.min(1e30), e.y.min(1e30), e.z.min(1e30))
 }

@@ -4,17 +4,21 @@
 #[cfg(not(target_arch = "spirv"))]
 use super::HostKind;
 use super::directional::Directional;
+use super::disk::Disk;
 use super::environment::Texel;
 use super::point::Point;
+use super::rectangle::Rectangle;
 #[cfg(test)]
 use super::sampling_tests::{Known, Sample};
 #[cfg(test)]
 use super::segment::Segment;
+use super::soft_spot::SoftSpot;
+use super::sphere::Sphere;
 use super::spot::Spot;
 #[cfg(not(target_arch = "spirv"))]
 use super::tree::Bound;
 use super::triangle::Triangle;
-use super::{Kind, Light, Place, Shape};
+use super::{Incident, Kind, Light, Place, Shape};
 use crate::frame::features;
 use glam::{Vec2, Vec3};
 
@@ -44,7 +48,7 @@ const fn facts<K: HostKind>() -> KindFacts {
 
 macro_rules! kinds {
     ($($(#[$when:meta])* $NAME:ident: $view:ident,)* ..$LAST:ident: $last:ident) => {
-        #[allow(clippy::upper_case_acronyms)]
+        #[allow(clippy::upper_case_acronyms, non_camel_case_types)]
         #[repr(u32)]
         enum Order {
             $($(#[$when])* $NAME,)*
@@ -113,6 +117,16 @@ macro_rules! kinds {
                     }
                 })*
                 $last::of(self).place(square)
+            }
+
+            /// See [`Kind::seen`].
+            pub(super) fn seen(&self, square: Vec2, receiver: Vec3, features: u32) -> Incident {
+                $($(#[$when])* {
+                    if const { matches!($view::SHAPE, Shape::Seen) } && is_kind(self.kind, kind::$NAME, features) {
+                        return $view::of(self).seen(square, receiver);
+                    }
+                })*
+                $last::of(self).seen(square, receiver)
             }
 
             /// See [`Kind::attenuation`].
@@ -203,6 +217,10 @@ kinds! {
     TRIANGLE: Triangle,
     DIRECTIONAL: Directional,
     ENVIRONMENT: Texel,
+    SPHERE: Sphere,
+    RECTANGLE: Rectangle,
+    DISK: Disk,
+    SOFT_SPOT: SoftSpot,
     // The example of docs/adding-a-light.md.
     #[cfg(test)]
     SEGMENT: Segment,
@@ -219,7 +237,11 @@ const fn is_one_point<K: Kind>() -> bool {
 const fn is_sound<K: Kind>() {
     assert!(!K::ATTENUATES || matches!(K::SHAPE, Shape::Point), "only points attenuate");
     assert!(!K::TRACEABLE || K::HAS_EXTENT && !matches!(K::SHAPE, Shape::Point), "no ray meets a point");
-    assert!(K::HAS_EXTENT || !matches!(K::SHAPE, Shape::Surface), "a surface has extent");
+    assert!(K::HAS_EXTENT || !matches!(K::SHAPE, Shape::Surface | Shape::Seen), "a surface has extent");
+    assert!(
+        !K::TRACEABLE || !matches!(K::SHAPE, Shape::Seen),
+        "a density of its points is known to it alone"
+    );
 }
 
 // A bit of the features each, and four bits of a tile's entry.

@@ -5,14 +5,18 @@ mod arrival;
 #[cfg(not(target_arch = "spirv"))]
 pub mod count;
 pub mod directional;
+pub mod disk;
 pub mod environment;
 pub mod found;
 pub mod kinds;
 pub mod point;
+pub mod rectangle;
 #[cfg(test)]
 mod sampling_tests;
 #[cfg(test)]
 mod segment;
+pub mod soft_spot;
+pub mod sphere;
 pub mod spot;
 mod table;
 #[cfg(test)]
@@ -75,6 +79,8 @@ pub enum Shape {
     Surface,
     /// Directions: `emission` is in lx, or in nit for those with an extent. Solid angle.
     Infinity,
+    /// Points that depend on who looks ([`Kind::seen`]): a sample is a point of the unit square, and its measure that square's.
+    Seen,
 }
 
 /// A point on a light, whoever looks at it.
@@ -108,10 +114,11 @@ pub trait Kind: Listed + Copy {
     /// What the numbers of `light` mean.
     fn of(light: &Light) -> Self;
 
-    /// The point for two numbers in (0, 1), uniform in the light's measure.
+    /// The point for two numbers in (0, 1), uniform in the light's measure; of [`Shape::Seen`] those numbers themselves.
     fn place(self, square: Vec2) -> Place;
 
-    /// Of a light with extent: its area, m², solid angle, sr, or length, m. Points of it have the density 1 / measure.
+    /// Of a light with extent: its area, m², solid angle, sr, or length, m; 1 where points are of the unit square. Points have the
+    /// density 1 / measure.
     fn measure(self) -> f32 {
         1.0
     }
@@ -119,6 +126,11 @@ pub trait Kind: Listed + Copy {
     /// Fraction of the intensity that leaves it against `direction` (unit, to the light).
     fn attenuation(self, _direction: Vec3) -> f32 {
         1.0
+    }
+
+    /// Of [`Shape::Seen`]: what `receiver` (world space, m) sees of it at a point of the unit square.
+    fn seen(self, _square: Vec2, _receiver: Vec3) -> Incident {
+        Incident::default()
     }
 
     /// The inverse of [`Kind::place`], for one that is traceable: the point in `direction` (unit) from `receiver`.

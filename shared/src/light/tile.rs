@@ -35,7 +35,8 @@ const LEAST_EXPONENT: f32 = -32.0;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct TileEntry {
-    /// The point on the light, world space, m; for light from infinity the unit direction to it.
+    /// The point on the light, world space, m; for light from infinity the unit direction to it; of [`Shape::Seen`] the point of
+    /// the square.
     position: Vec3,
     /// Surface: its normal, see [`pack_direction`].
     normal: u32,
@@ -111,10 +112,14 @@ impl TileEntry {
 
     /// Direction, irradiance and solid angle at `receiver` of what the entry stands for, its emission within 0.04 % and positive
     /// wherever the light's is, its normal within 1e-4 rad; the other fields are not set. Of lights that shine more in some
-    /// directions than in others, emission and attenuation are read from `lights`.
+    /// directions than in others, and of [`Shape::Seen`], all of it is read from `lights`.
     pub fn incident(&self, lights: LightTable<'_>, receiver: Vec3) -> Incident {
         let (kind, flags) = (self.blue_kind >> 16 & 15, self.blue_kind >> 20 & 15);
         let features = lights.lights.features;
+        if is_shape(kind, Shape::Seen, features) {
+            let light = lights.lights.lights[self.light as usize];
+            return light.seen(self.position.truncate(), receiver, features);
+        }
         if attenuates(kind, features) {
             let light = lights.lights.lights[self.light as usize];
             let incident =

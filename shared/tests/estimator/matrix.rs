@@ -122,6 +122,21 @@ fn spot_lights() {
 }
 
 #[test]
+fn spheres() {
+    matrix(world::spheres());
+}
+
+#[test]
+fn rectangles_and_disks() {
+    matrix(world::panels());
+}
+
+#[test]
+fn spot_lights_with_a_radius() {
+    matrix(world::soft_spots());
+}
+
+#[test]
 fn directional_lights() {
     matrix(world::suns());
 }

@@ -2,7 +2,7 @@
 //! Nothing here is the project's: no sampler, no density, no BSDF. Only light parameters and the unpacked G-buffer are read.
 
 use crate::world::{SKY, View, World};
-use shared::glam::{DVec3, UVec2};
+use shared::glam::{DVec2, DVec3, UVec2};
 use shared::light::{DOUBLE_SIDED, Light, kind};
 use shared::material::Reflectance;
 use shared::surface::Surface;
@@ -11,6 +11,8 @@ use std::f64::consts::{PI, TAU};
 /// Points along each edge of a triangle, and along each side of a texel of the sky.
 const TRIANGLE_STEPS: usize = 48;
 const SKY_STEPS: usize = 6;
+/// And around a sphere, half of which is never seen.
+const SPHERE_STEPS: usize = 128;
 
 /// Radiance toward the camera, nit, linear RGB, of every pixel of `view`.
 pub fn picture(world: &World, view: &View) -> Vec<DVec3> {
@@ -78,12 +80,68 @@ fn radiance(world: &World, surface: &Surface, eye: DVec3) -> DVec3 {
                 }
                 sum * emission * area / (TRIANGLE_STEPS * TRIANGLE_STEPS) as f64
             }
+            kind::SPHERE => {
+                let (center, radius) = (light.position.as_dvec3(), f64::from(light.edge1.x));
+                let from = |normal: DVec3| {
+                    let (wi, falloff) = from_point(center + normal * radius);
+                    reflect(wi) * falloff * (-normal.dot(wi)).max(0.0)
+                };
+                // I / (π r²) over 4π r².
+                evenly(SPHERE_STEPS, |x, y| from(on_unit_sphere(x, y))) * emission * 4.0
+            }
+            kind::RECTANGLE => {
+                let (u, v) = (light.edge1.as_dvec3(), light.edge2.as_dvec3());
+                let cross = u.cross(v);
+                let from = |place: DVec3| {
+                    let (wi, falloff) = from_point(place);
+                    reflect(wi) * falloff * (-cross.dot(wi)).max(0.0)
+                };
+                evenly(TRIANGLE_STEPS, |x, y| from(light.position.as_dvec3() + u * x + v * y)) * emission
+            }
+            kind::DISK => {
+                let (u, v) = (light.edge1.as_dvec3(), light.edge2.as_dvec3());
+                let cross = u.cross(v);
+                let from = |at: DVec2| {
+                    let (wi, falloff) = from_point(light.position.as_dvec3() + u * at.x + v * at.y);
+                    reflect(wi) * falloff * (-cross.dot(wi)).max(0.0)
+                };
+                evenly(TRIANGLE_STEPS, |x, y| from(on_unit_disk(x, y))) * emission * PI
+            }
+            kind::SOFT_SPOT => {
+                let axis = light.edge1.as_dvec3();
+                let u = axis.any_orthonormal_vector() * f64::from(light.edge2.z);
+                let v = axis.cross(u);
+                let from = |at: DVec2| {
+                    let (wi, falloff) = from_point(light.position.as_dvec3() + u * at.x + v * at.y);
+                    let t = (-wi.dot(axis) - f64::from(light.edge2.x)) * f64::from(light.edge2.y);
+                    reflect(wi) * falloff * t.clamp(0.0, 1.0).powi(2)
+                };
+                evenly(TRIANGLE_STEPS, |x, y| from(on_unit_disk(x, y))) * emission
+            }
             // The sky, in one go.
             kind::ENVIRONMENT => DVec3::ZERO,
             other => panic!("no quadrature for lights of kind {other}"),
         }
     };
     world.lights.iter().map(of_light).sum()
+}
+
+/// The mean of `f` over the unit square, from the middles of `steps`² parts.
+fn evenly(steps: usize, f: impl Fn(f64, f64) -> DVec3) -> DVec3 {
+    let at = |i: usize| (i as f64 + 0.5) / steps as f64;
+    let sum: DVec3 = (0..steps * steps).map(|i| f(at(i / steps), at(i % steps))).sum();
+    sum / (steps * steps) as f64
+}
+
+/// Rings of equal area.
+fn on_unit_disk(x: f64, y: f64) -> DVec2 {
+    DVec2::from_angle(TAU * y) * x.sqrt()
+}
+
+/// Zones of equal area (Archimedes).
+fn on_unit_sphere(x: f64, y: f64) -> DVec3 {
+    let height = 1.0 - 2.0 * x;
+    (DVec2::from_angle(TAU * y) * (1.0 - height * height).sqrt()).extend(height)
 }
 
 /// Centroids of the n² equal triangles that a triangle splits in.

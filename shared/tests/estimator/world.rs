@@ -261,6 +261,42 @@ pub fn spots() -> Kind {
     }
 }
 
+/// Small and large ones; somewhere: sunk into the floor.
+pub fn spheres() -> Kind {
+    let sphere = |i: usize, lift: f32| {
+        let center = around(i, 0.25) + Vec3::Y * lift;
+        Light::sphere(center, 0.05 + 0.12 * (i % 4) as f32, strength(i))
+    };
+    Kind {
+        everywhere: (0..8).map(|i| sphere(i, 0.2)).collect(),
+        somewhere: (0..8).map(|i| sphere(i, -0.3 * (i % 3) as f32)).collect(),
+    }
+}
+
+/// Flat lights that look down, or aside as well.
+pub fn panels() -> Kind {
+    let rectangle = |i: usize, u: Vec3, v: Vec3| {
+        Light::rectangle(around(i, 0.25) + Vec3::Y * 0.4, [u, v], strength(i) * 4.0)
+    };
+    let disk = |i: usize, axis: Vec3| {
+        let center = around(i + 4, 0.2) + Vec3::Y * 0.4;
+        Light::disk(center, axis.normalize(), 0.2 + 0.1 * (i % 3) as f32, strength(i + 1) * 5.0)
+    };
+    let tilt = |i: usize| Vec3::new(0.5, 0.3 * (i % 3) as f32 - 0.4, 0.4 - 0.2 * i as f32);
+    let down = (0..4).flat_map(|i| [rectangle(i, Vec3::X * 0.7, Vec3::Z * 0.4), disk(i, Vec3::NEG_Y)]);
+    let leaning = (0..4).flat_map(|i| [rectangle(i, tilt(i), Vec3::Y * 0.6), disk(i, tilt(i))]);
+    Kind { everywhere: down.collect(), somewhere: leaning.collect() }
+}
+
+pub fn soft_spots() -> Kind {
+    let soften = |lights: Vec<Light>| {
+        let soft = |(i, spot): (usize, Light)| spot.soft_spot(0.1 + 0.1 * (i % 3) as f32);
+        lights.into_iter().enumerate().map(soft).collect()
+    };
+    let Kind { everywhere, somewhere } = spots();
+    Kind { everywhere: soften(everywhere), somewhere: soften(somewhere) }
+}
+
 pub fn suns() -> Kind {
     let sun = |i: usize| {
         let direction = Vec3::new(i as f32 - 2.0, 1.5, (i % 2) as f32).normalize();
@@ -286,7 +322,17 @@ pub fn environment() -> Kind {
 
 /// All kinds in one table.
 pub fn together() -> Kind {
-    let kinds = [points(), triangles(), rectangles(), spots(), suns(), environment()];
+    let kinds = [
+        points(),
+        triangles(),
+        rectangles(),
+        spots(),
+        suns(),
+        environment(),
+        spheres(),
+        panels(),
+        soft_spots(),
+    ];
     let mut all = Kind { everywhere: Vec::new(), somewhere: Vec::new() };
     for kind in kinds {
         all.everywhere.extend(kind.everywhere);

@@ -94,6 +94,9 @@ pub struct SceneArgs {
     /// Factor on what the scene's materials emit: files often mean a screen's white by 1, which is 1 nit.
     #[arg(long, value_name = "S", default_value_t = 1.0, value_parser = positive)]
     pub emissive_scale: f32,
+    /// Give points and spots without one a radius, for soft shadows: points become spheres, spots disks, of the same flux.
+    #[arg(long, value_name = "METRES", value_parser = positive)]
+    pub light_radius: Option<f32>,
 }
 
 #[derive(Args, Clone, Debug)]
@@ -172,7 +175,12 @@ impl SceneArgs {
     pub fn illumination(&self) -> Illumination {
         let (scale, rotation) = (self.environment_scale, self.environment_rotation);
         let environment = self.environment.clone().map(|path| EnvironmentSource { path, scale, rotation });
-        Illumination { lights: self.light_count(), environment, emissive_scale: self.emissive_scale }
+        Illumination {
+            lights: self.light_count(),
+            environment,
+            emissive_scale: self.emissive_scale,
+            light_radius: self.light_radius.unwrap_or(0.0),
+        }
     }
 
     pub fn light_count(&self) -> usize {

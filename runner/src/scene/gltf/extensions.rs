@@ -26,6 +26,7 @@ pub const EXTENSIONS: &[(&str, Effect)] = &[
     ("AGI_articulations", Nothing),
     ("AGI_stk_metadata", Nothing),
     ("CESIUM_primitive_outline", Lacks("outlines")),
+    ("EXT_lights_area", Drawn),
     ("EXT_lights_ies", Lacks("light profiles")),
     ("EXT_lights_image_based", Lacks("the environment of the file (--environment takes one)")),
     ("EXT_mesh_gpu_instancing", Drawn),

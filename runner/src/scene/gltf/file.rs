@@ -54,8 +54,10 @@ pub fn parse(bytes: &[u8], base: &Path, warnings: &mut Warnings) -> Reason<Parse
             _ => {}
         }
         match kind {
-            Kind::Light => {
-                root.insert("extensions".into(), json!({"KHR_lights_punctual": {"lights": list}}));
+            Kind::Light | Kind::Panel => {
+                let extension = if kind == Kind::Light { PUNCTUAL } else { AREA };
+                let extensions = root.entry("extensions").or_insert_with(|| json!({}));
+                extensions[extension] = json!({"lights": list});
             }
             _ => _ = root.insert(name.into(), list),
         }
@@ -69,8 +71,12 @@ pub fn parse(bytes: &[u8], base: &Path, warnings: &mut Warnings) -> Reason<Parse
     Ok(Parsed { document, buffers, broken_nodes, quantized })
 }
 
+/// The extensions that list lights.
+const PUNCTUAL: &str = "KHR_lights_punctual";
+const AREA: &str = "EXT_lights_area";
+
 /// The lists of things; each kind comes after those that it names.
-const TABLES: [(Kind, &str, &Shape); 14] = [
+const TABLES: [(Kind, &str, &Shape); 15] = [
     (Kind::Buffer, "buffers", &schema::BUFFER),
     (Kind::View, "bufferViews", &schema::VIEW),
     (Kind::Accessor, "accessors", &schema::ACCESSOR),
@@ -80,6 +86,7 @@ const TABLES: [(Kind, &str, &Shape); 14] = [
     (Kind::Material, "materials", &schema::MATERIAL),
     (Kind::Camera, "cameras", &schema::CAMERA),
     (Kind::Light, "lights", &schema::LIGHT),
+    (Kind::Panel, "area lights", &schema::PANEL),
     (Kind::Mesh, "meshes", &schema::MESH),
     (Kind::Skin, "skins", &schema::SKIN),
     (Kind::Node, "nodes", &schema::NODE),
@@ -89,7 +96,8 @@ const TABLES: [(Kind, &str, &Shape); 14] = [
 
 fn table<'j>(json: &'j mut Value, name: &str) -> Option<&'j mut Value> {
     match name {
-        "lights" => json.get_mut("extensions")?.get_mut("KHR_lights_punctual")?.get_mut(name),
+        "lights" => json.get_mut("extensions")?.get_mut(PUNCTUAL)?.get_mut(name),
+        "area lights" => json.get_mut("extensions")?.get_mut(AREA)?.get_mut("lights"),
         _ => json.get_mut(name),
     }
 }

@@ -131,6 +131,10 @@ impl Loader<'_> {
         if let Some(light) = placed.add_light(&mut self.scene, &mut self.warnings) {
             self.attach(moving, light);
         }
+        let panels = self.source.document.extension_value("EXT_lights_area");
+        if let Some(light) = placed.add_panel(panels, &mut self.scene, &mut self.warnings) {
+            self.attach(moving, light);
+        }
         let Some(mesh) = placed.mesh() else { return Ok(()) };
         if placed.node.skin().is_some() {
             self.warnings.add("skins are drawn as modelled", &placed.label);

@@ -3,11 +3,15 @@
 use super::warnings::Warnings;
 use super::{Reason, label};
 use crate::scene::animation::{Local, Thing, view_axes};
-use crate::scene::{DirectionalLight, PointLight, SceneCamera, SceneDescription, SpotLight};
-use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3, Vec3};
+use crate::scene::{
+    DirectionalLight, PanelLight, PanelShape, PlacedLight, PointLight, SceneCamera, SceneDescription,
+    SpotLight,
+};
+use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3, Vec2, Vec3};
 use gltf::khr_lights_punctual::Kind;
 use gltf::scene::Transform;
 use gltf::{Document, Node};
+use serde_json::Value;
 use std::collections::HashMap;
 
 /// The widest outer angle of a spot, radians: π/2, as files round it.
@@ -156,8 +160,15 @@ impl Placed<'_> {
             warnings.add("a light scaled to nothing shines nowhere, so is left out", &self.label);
             return None;
         }
+        let radius = radius_of(light.extras()).or(radius_of(self.node.extras())).unwrap_or(0.0);
+        let possible = (0.0..=MAX_RADIUS).contains(&radius);
+        if !possible {
+            let label = format!("{}: {radius}", self.label);
+            warnings.add("a light with an impossible radius is a point", &label);
+        }
+        let radius = if possible { radius } else { 0.0 };
         scene.lights.push(match light.kind() {
-            Kind::Point => PointLight { position, intensity }.into(),
+            Kind::Point => PointLight { position, intensity, radius }.into(),
             Kind::Spot { inner_cone_angle: inner, outer_cone_angle: outer } => {
                 let outer_angle = outer.clamp(0.0, MAX_CONE);
                 let inner_angle = inner.clamp(0.0, outer_angle);
@@ -165,10 +176,61 @@ impl Placed<'_> {
                     let label = format!("{}: from {inner} to {outer} rad", self.label);
                     warnings.add("the cone of a spot is cut to 0 <= inner <= outer <= pi/2", &label);
                 }
-                SpotLight { position, axis, intensity, inner_angle, outer_angle }.into()
+                SpotLight { position, axis, intensity, inner_angle, outer_angle, radius }.into()
             }
             Kind::Directional => DirectionalLight { direction: -axis, illuminance: intensity }.into(),
         });
         Some(Thing::Light(scene.lights.len() - 1))
     }
+
+    /// Adds the node's light of `panels` (EXT_lights_area, as the document has it), if it is shown. Gives the light.
+    pub fn add_panel(
+        &self,
+        panels: Option<&Value>,
+        scene: &mut SceneDescription,
+        warnings: &mut Warnings,
+    ) -> Option<Thing> {
+        let place = self.node.extension_value("EXT_lights_area")?.get("light")?.as_u64()?;
+        let light = panels?.get("lights")?.get(usize::try_from(place).ok()?).filter(|_| self.visible)?;
+        let number = |object: Option<&Value>, name, usual| number(object, name).unwrap_or(usual);
+        let color = light.get("color").and_then(Value::as_array);
+        let channel = |i: usize| color.map_or(1.0, |color| color[i].as_f64().unwrap_or(1.0)) as f32;
+        let radiance = Vec3::from_array([0, 1, 2].map(channel)) * number(Some(light), "intensity", 1000.0);
+        let scale = self.world.matrix3;
+        let scale =
+            [scale.x_axis, scale.y_axis, scale.z_axis].map(DVec3::length).into_iter().fold(0.0, f64::max);
+        let height = number(Some(light), "size", 1.0) * scale as f32;
+        let (shape, aspect) = match light.get("type").and_then(Value::as_str) {
+            Some("disk") => (PanelShape::Disk, 1.0),
+            _ => (PanelShape::Rectangle, number(light.get("rect"), "aspect", 1.0)),
+        };
+        let size = Vec2::new(height * aspect, height);
+        if !(radiance.is_finite() && radiance.min_element() >= 0.0) {
+            let label = format!("{}: {radiance}", self.label);
+            warnings.add("a light of negative or infinite intensity is left out", &label);
+            return None;
+        }
+        if !(size.min_element() > 0.0 && size.max_element() <= MAX_RADIUS) {
+            warnings.add("an area light without a size is left out", &format!("{}: {size} m", self.label));
+            return None;
+        }
+        let mut light: PlacedLight =
+            PanelLight { position: Vec3::ZERO, axis: Vec3::NEG_Z, up: Vec3::Y, size, shape, radiance }.into();
+        light.place(&self.world);
+        scene.lights.push(light);
+        Some(Thing::Light(scene.lights.len() - 1))
+    }
+}
+
+/// m: squares of it are numbers.
+const MAX_RADIUS: f32 = 1e12;
+
+fn number(object: Option<&Value>, name: &str) -> Option<f32> {
+    Some(object?.get(name)?.as_f64()? as f32)
+}
+
+/// m: `radius` of what a file may add to things.
+fn radius_of(extras: &gltf::json::Extras) -> Option<f32> {
+    let extras: Value = serde_json::from_str(extras.as_ref()?.get()).ok()?;
+    number(Some(&extras), "radius")
 }

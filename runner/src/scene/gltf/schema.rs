@@ -2,7 +2,7 @@
 
 use super::shape::{Field, Kind, Need, Shape};
 use Kind::{
-    Accessor, Buffer, Camera, Curve, Image, Light, Material, Mesh, Node, Sampler, Skin, Texture, View,
+    Accessor, Buffer, Camera, Curve, Image, Light, Material, Mesh, Node, Panel, Sampler, Skin, Texture, View,
 };
 use Need::{Firm, FirmOr, Loose, Must, Or};
 use Shape::{Choice, Code, Flag, Index, List, Named, Number, Numbers, Object, Open, Place, Text, Whole};
@@ -186,6 +186,19 @@ pub const LIGHT: Shape = Object(&[
     f("intensity", Number, Firm),
     f("range", Number, Loose),
     f("spot", Object(&[f("innerConeAngle", Number, Loose), f("outerConeAngle", Number, Loose)]), Or("{}")),
+    EXTRAS,
+]);
+/// Of lights and their nodes: may have a `radius`.
+const EXTRAS: Field = f("extras", Shape::Anything, Loose);
+
+/// Of EXT_lights_area.
+pub const PANEL: Shape = Object(&[
+    NAME,
+    f("type", Choice(&["rect", "disk"]), Must),
+    f("color", Numbers(3), Loose),
+    f("intensity", Number, Firm),
+    f("size", Number, Firm),
+    f("rect", Object(&[f("aspect", Number, Firm)]), Firm),
 ]);
 
 /// The attributes that may be read, or are looked for to say that they are not.
@@ -243,6 +256,7 @@ pub const NODE: Shape = Object(&[
     f("scale", Numbers(3), Firm),
     f("translation", Numbers(3), Firm),
     f("skin", Index(Skin), Loose),
+    EXTRAS,
     f(
         "extensions",
         Object(&[
@@ -251,6 +265,7 @@ pub const NODE: Shape = Object(&[
                 Object(&[f("attributes", Named(copied, &Index(Accessor)), Firm)]),
                 Firm,
             ),
+            f("EXT_lights_area", Object(&[f("light", Index(Panel), Must)]), Loose),
             f("KHR_lights_punctual", Object(&[f("light", Index(Light), Must)]), Loose),
             f("KHR_node_visibility", Object(&[f("visible", Flag, Loose)]), Loose),
         ]),

@@ -12,6 +12,7 @@ use std::collections::HashMap;
 /// The form of a value.
 #[derive(Clone, Copy)]
 pub enum Shape {
+    Anything,
     Text,
     Flag,
     Number,
@@ -76,6 +77,7 @@ pub enum Kind {
     Material,
     Camera,
     Light,
+    Panel,
     Mesh,
     Skin,
     Node,
@@ -98,6 +100,7 @@ impl Kind {
             Kind::Material => "material",
             Kind::Camera => "camera",
             Kind::Light => "light",
+            Kind::Panel => "area light",
             Kind::Mesh => "mesh",
             Kind::Skin => "skin",
             Kind::Node => "node",
@@ -114,6 +117,7 @@ impl Kind {
             Kind::Accessor => r#"{"componentType": 5126, "count": 0, "type": "SCALAR"}"#,
             Kind::Camera => r#"{"type": "perspective", "perspective": {"yfov": 0, "znear": 0}}"#,
             Kind::Light => r#"{"type": "point", "intensity": 0}"#,
+            Kind::Panel => r#"{"type": "disk", "intensity": 0}"#,
             Kind::Mesh => r#"{"primitives": []}"#,
             Kind::Skin => r#"{"joints": []}"#,
             Kind::Scene => r#"{"nodes": []}"#,
@@ -166,6 +170,7 @@ impl<'w> Mender<'w> {
     /// Leaves of `value` what has the form of `shape`; `at` names the thing. Error: nothing does.
     pub fn mend(&mut self, value: &mut Value, shape: &Shape, at: &str) -> Reason<()> {
         match *shape {
+            Shape::Anything => Ok(()),
             Shape::Text => expect(value.is_string(), value, "a text"),
             Shape::Flag => expect(value.is_boolean(), value, "true or false"),
             Shape::Number => expect(value.is_number(), value, "a number"),

@@ -153,7 +153,7 @@ mod tests {
     fn edits_map_lights() {
         let before = scene();
         let mut now = before.clone();
-        let light = |x: f32| PointLight { position: Vec3::X * x, intensity: Vec3::ONE }.into();
+        let light = |x: f32| PointLight { position: Vec3::X * x, intensity: Vec3::ONE, radius: 0.0 }.into();
         now.lights = vec![light(5.0), light(6.0), before.lights[0]];
         let [old, new] = [&before, &now].map(LightTable::new);
         let none = NO_LIGHT;

@@ -1,6 +1,6 @@
 //! The lights that a scene lists one by one, in the physical terms of files. (Emissive meshes and the environment bring others.)
 
-use glam::{DAffine3, Vec3};
+use glam::{DAffine3, Vec2, Vec3};
 use shared::light::Light;
 
 /// A light with a place of its own, in world space.
@@ -9,6 +9,7 @@ pub enum PlacedLight {
     Point(PointLight),
     Spot(SpotLight),
     Directional(DirectionalLight),
+    Panel(PanelLight),
 }
 
 /// A point light.
@@ -18,6 +19,8 @@ pub struct PointLight {
     pub position: Vec3,
     /// cd, linear RGB
     pub intensity: Vec3,
+    /// m; 0 for a point, else it is a sphere with the same flux.
+    pub radius: f32,
 }
 
 /// A point light that shines into a cone (KHR_lights_punctual).
@@ -32,6 +35,8 @@ pub struct SpotLight {
     /// Angles from the axis, radians: full intensity up to the inner, none from the outer on.
     pub inner_angle: f32,
     pub outer_angle: f32,
+    /// m; 0 for a point, else its flux leaves a disk across the axis.
+    pub radius: f32,
 }
 
 /// Parallel light, such as the sun's.
@@ -43,14 +48,42 @@ pub struct DirectionalLight {
     pub illuminance: Vec3,
 }
 
+/// A flat light (EXT_lights_area): it shines to one side, and its every point evenly.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PanelLight {
+    /// Its center, m.
+    pub position: Vec3,
+    /// Unit, the way it shines.
+    pub axis: Vec3,
+    /// Unit, across the axis: along its height.
+    pub up: Vec3,
+    /// Width and height, m; of a disk both are the diameter.
+    pub size: Vec2,
+    pub shape: PanelShape,
+    /// nit, linear RGB
+    pub radiance: Vec3,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PanelShape {
+    Rectangle,
+    Disk,
+}
+
 impl PlacedLight {
     /// As estimators see it. `radius`: of the scene's bounding sphere, m; only light from infinity asks.
     pub fn light(&self, radius: impl FnOnce() -> f32) -> Light {
         match *self {
+            PlacedLight::Point(l) if l.radius > 0.0 => Light::sphere(l.position, l.radius, l.intensity),
             PlacedLight::Point(l) => Light::point(l.position, l.intensity),
             PlacedLight::Spot(l) => {
-                Light::spot(l.position, l.axis, l.intensity, l.inner_angle, l.outer_angle)
+                let spot = Light::spot(l.position, l.axis, l.intensity, l.inner_angle, l.outer_angle);
+                if l.radius > 0.0 { spot.soft_spot(l.radius) } else { spot }
             }
+            PlacedLight::Panel(l) => match l.shape {
+                PanelShape::Rectangle => Light::rectangle(l.position, l.sides(), l.radiance),
+                PanelShape::Disk => Light::disk(l.position, l.axis, 0.5 * l.size.x, l.radiance),
+            },
             PlacedLight::Directional(l) => Light::directional(l.direction, l.illuminance, radius()),
         }
     }
@@ -65,6 +98,13 @@ impl PlacedLight {
                 l.position = position;
                 l.axis = if back == Vec3::ZERO { l.axis } else { -back };
             }
+            PlacedLight::Panel(l) => {
+                l.position = position;
+                let up = world.matrix3.y_axis.as_vec3().reject_from_normalized(back).normalize_or_zero();
+                if back != Vec3::ZERO && up != Vec3::ZERO {
+                    (l.axis, l.up) = (-back, up);
+                }
+            }
             PlacedLight::Directional(l) => {
                 l.direction = if back == Vec3::ZERO { l.direction } else { back };
             }
@@ -76,7 +116,18 @@ impl PlacedLight {
         match self {
             PlacedLight::Point(l) => Some(l.position),
             PlacedLight::Spot(l) => Some(l.position),
+            PlacedLight::Panel(l) => Some(l.position),
             PlacedLight::Directional(_) => None,
+        }
+    }
+
+    /// Gives it a radius, m, if it is a point or a spot without.
+    pub fn soften(&mut self, to: f32) {
+        if let PlacedLight::Point(PointLight { radius, .. }) | PlacedLight::Spot(SpotLight { radius, .. }) =
+            self
+            && *radius == 0.0
+        {
+            *radius = to;
         }
     }
 
@@ -85,8 +136,22 @@ impl PlacedLight {
         match self {
             PlacedLight::Point(l) => &mut l.intensity,
             PlacedLight::Spot(l) => &mut l.intensity,
+            PlacedLight::Panel(l) => &mut l.radiance,
             PlacedLight::Directional(l) => &mut l.illuminance,
         }
+    }
+}
+
+impl PanelLight {
+    /// Its width and its height, m, whose cross product points where it shines.
+    pub fn sides(&self) -> [Vec3; 2] {
+        [self.up.cross(self.axis) * self.size.x, self.up * self.size.y]
+    }
+}
+
+impl From<PanelLight> for PlacedLight {
+    fn from(light: PanelLight) -> Self {
+        PlacedLight::Panel(light)
     }
 }
 

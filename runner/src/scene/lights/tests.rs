@@ -33,7 +33,7 @@ pub(super) fn scene() -> SceneDescription {
             })
             .to_vec(),
         materials: vec![Material::default(), glowing],
-        lights: vec![PointLight { position: Vec3::Y, intensity: Vec3::splat(7.0) }.into()],
+        lights: vec![PointLight { position: Vec3::Y, intensity: Vec3::splat(7.0), radius: 0.0 }.into()],
         ..SceneDescription::default()
     }
 }

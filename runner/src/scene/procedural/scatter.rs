@@ -30,7 +30,7 @@ pub fn scatter(scene: &mut SceneDescription, count: usize, seed: u64) {
         let unit = Vec3::new(rng.next_f32(), rng.next_f32(), rng.next_f32());
         let color = moderate_color(rng.next_f32());
         let position = bounds.min + extent * (0.01 + 0.98 * unit);
-        scene.lights.push(PointLight { position, intensity: color * intensity }.into());
+        scene.lights.push(PointLight { position, intensity: color * intensity, radius: 0.0 }.into());
     }
 }
 

@@ -208,6 +208,76 @@ fn cameras_and_lights_stand_in_the_world() {
 }
 
 #[test]
+fn lights_may_have_a_radius() {
+    let mut file = File::quad();
+    let light = |kind: &str, extras| json!({"type": kind, "intensity": 8, "extras": extras});
+    file.json["extensions"]["KHR_lights_punctual"]["lights"] = json!([
+        light("point", json!({"radius": 0.25, "author": ["somebody"]})),
+        light("spot", json!({"radius": 0.5})),
+        light("point", json!("nothing of ours")),
+        light("point", json!({"radius": -1})),
+    ]);
+    let node = |light: usize, extras| json!({"scale": [3, 3, 3], "extras": extras, "extensions": {"KHR_lights_punctual": {"light": light}}});
+    let nodes = file.json["nodes"].as_array_mut().unwrap();
+    // The light's own comes first.
+    nodes.extend([
+        node(0, json!({"radius": 0.75})),
+        node(1, json!(7)),
+        node(2, json!({"radius": 0.125})),
+        node(2, json!(null)),
+        node(3, json!({})),
+    ]);
+    file.json["scenes"][0]["nodes"] = json!([0, 1, 2, 3, 4, 5]);
+    let scene = file.load().unwrap();
+    use crate::scene::PlacedLight::{Point, Spot};
+    let radius = |light: &PlacedLight| match light {
+        Point(light) => light.radius,
+        Spot(light) => light.radius,
+        _ => panic!("{light:?}"),
+    };
+    assert_eq!(scene.lights.iter().map(radius).collect::<Vec<_>>(), [0.25, 0.5, 0.125, 0.0, 0.0]);
+    let [warning] = &scene.warnings[..] else { panic!("{:?}", scene.warnings) };
+    assert!(
+        warning.contains("impossible radius") && warning.contains("node 5") && warning.contains("-1"),
+        "{warning}"
+    );
+    let mut soft = scene;
+    soft.lights.iter_mut().for_each(|light| light.soften(2.0));
+    assert_eq!(soft.lights.iter().map(radius).collect::<Vec<_>>(), [0.25, 0.5, 0.125, 2.0, 2.0]);
+}
+
+#[test]
+fn area_lights_hang_on_nodes() {
+    let mut file = File::quad();
+    file.json["extensionsRequired"] = json!(["EXT_lights_area"]);
+    file.json["extensions"]["EXT_lights_area"]["lights"] = json!([
+        {"type": "rect", "color": [1, 0.5, 0.25], "intensity": 8, "size": 0.5, "rect": {"aspect": 3}},
+        {"type": "disk"},
+        {"type": "tube"},
+        {"type": "disk", "size": 0},
+    ]);
+    let half = std::f32::consts::FRAC_1_SQRT_2;
+    // A quarter turn about y: -z becomes -x; the largest scale counts.
+    let turn = json!([0, half, 0, half]);
+    let node = |light: usize| json!({"rotation": turn, "translation": [1, 2, 3], "scale": [1, -4, 2], "extensions": {"EXT_lights_area": {"light": light}}});
+    let nodes = file.json["nodes"].as_array_mut().unwrap();
+    nodes.extend((0..4).map(node));
+    file.json["scenes"][0]["nodes"] = json!([0, 1, 2, 3, 4]);
+    let scene = file.load().unwrap();
+    use crate::scene::{PanelShape, PlacedLight::Panel};
+    let [Panel(rectangle), Panel(disk)] = &scene.lights[..] else { panic!("{:?}", scene.lights) };
+    assert_eq!((rectangle.shape, disk.shape), (PanelShape::Rectangle, PanelShape::Disk));
+    for light in [rectangle, disk] {
+        assert_eq!(light.position, Vec3::new(1.0, 2.0, 3.0));
+        assert!((light.axis + Vec3::X).length() < 1e-6 && (light.up + Vec3::Y).length() < 1e-6, "{light:?}");
+    }
+    assert!((rectangle.size - glam::Vec2::new(6.0, 2.0)).length() < 1e-5, "{}", rectangle.size);
+    assert_eq!((rectangle.radiance, disk.radiance), (Vec3::new(8.0, 4.0, 2.0), Vec3::splat(1000.0)));
+    assert!((disk.size - 4.0).length() < 1e-5);
+    assert_eq!(scene.warnings.len(), 2, "{:?}", scene.warnings);
+}
+
+#[test]
 fn files_may_be_text_with_a_buffer_beside_it() {
     let folder = Folder::new("beside");
     let mut file = File::quad();

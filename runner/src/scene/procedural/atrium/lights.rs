@@ -28,6 +28,7 @@ pub fn lights(count: usize) -> Vec<PointLight> {
     let light = |(i, &(position, weight)): (usize, &(Vec3, f32))| PointLight {
         position,
         intensity: color(i as u32) * (f64::from(weight) * scale) as f32,
+        radius: 0.0,
     };
     places.iter().enumerate().map(light).collect()
 }

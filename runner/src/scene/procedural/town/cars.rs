@@ -57,7 +57,14 @@ pub fn lamps() -> [(Vec3, Quat, SpotLight); 4] {
         (
             position,
             turn,
-            SpotLight { position, axis: turn * Vec3::NEG_Z, intensity, inner_angle, outer_angle },
+            SpotLight {
+                position,
+                axis: turn * Vec3::NEG_Z,
+                intensity,
+                inner_angle,
+                outer_angle,
+                radius: 0.0,
+            },
         )
     };
     let head = |x: f32| {

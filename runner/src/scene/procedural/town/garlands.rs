@@ -164,7 +164,7 @@ impl Garland {
         let (middle, way) = place(self, i, n);
         let position = self.transform().transform_point3(middle + CLEAR * way);
         let bulb = i * BULBS / n.max(1);
-        PointLight { position, intensity: color(bulb_finish(self, bulb)) * intensity }.into()
+        PointLight { position, intensity: color(bulb_finish(self, bulb)) * intensity, radius: 0.0 }.into()
     }
 
     /// Of the meshes that garlands share.

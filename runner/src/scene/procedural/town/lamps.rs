@@ -76,7 +76,7 @@ impl Lamp {
             Kind::Lantern => {
                 let color = Vec3::new(1.30, 0.93, 0.46);
                 let position = place.transform_point3(LANTERN);
-                PointLight { position, intensity: color * self.intensity }.into()
+                PointLight { position, intensity: color * self.intensity, radius: 0.0 }.into()
             }
             Kind::Mast => {
                 let color = Vec3::new(1.32, 0.94, 0.40);
@@ -87,6 +87,7 @@ impl Lamp {
                     intensity: color * self.intensity,
                     inner_angle: 1.0,
                     outer_angle: 1.45,
+                    radius: 0.0,
                 }
                 .into()
             }

@@ -268,7 +268,8 @@ fn floodlights(town: &Town) -> Vec<PlacedLight> {
             let (position, axis) = site.floodlights(&town.towers[site.design])[i];
             let [inner_angle, outer_angle] = FLOODED;
             let intensity = Vec3::new(0.93, 1.0, 1.12) * FLOOD;
-            lights.push(SpotLight { position, axis, intensity, inner_angle, outer_angle }.into());
+            lights
+                .push(SpotLight { position, axis, intensity, inner_angle, outer_angle, radius: 0.0 }.into());
         }
     }
     lights
@@ -293,7 +294,11 @@ fn room_lights(plan: &Plan) -> Vec<PlacedLight> {
     let Some(place) = room::transform(plan) else { return Vec::new() };
     let light = |(p, intensity): (Vec3, f32)| {
         let position = place.transform_point3(p);
-        PlacedLight::from(PointLight { position, intensity: Vec3::new(1.3, 0.95, 0.5) * intensity })
+        PlacedLight::from(PointLight {
+            position,
+            intensity: Vec3::new(1.3, 0.95, 0.5) * intensity,
+            radius: 0.0,
+        })
     };
     room::LIGHTS.map(light).to_vec()
 }

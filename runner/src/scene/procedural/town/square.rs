@@ -89,14 +89,22 @@ pub fn lights() -> Vec<PlacedLight> {
         .into_iter()
         .map(|(at, _)| {
             let position = Vec3::new(at.x, KERB + 2.25, at.y);
-            PointLight { position, intensity: Vec3::new(1.35, 0.92, 0.42) * 24.0 }.into()
+            PointLight { position, intensity: Vec3::new(1.35, 0.92, 0.42) * 24.0, radius: 0.0 }.into()
         })
         .collect();
     for (position, target, intensity, outer) in ground_spots() {
         let axis = (target - position).normalize();
         let intensity = Vec3::new(1.25, 0.95, 0.55) * intensity;
         lights.push(
-            SpotLight { position, axis, intensity, inner_angle: 0.4 * outer, outer_angle: outer }.into(),
+            SpotLight {
+                position,
+                axis,
+                intensity,
+                inner_angle: 0.4 * outer,
+                outer_angle: outer,
+                radius: 0.0,
+            }
+            .into(),
         );
     }
     for k in 0..4 {
@@ -106,7 +114,9 @@ pub fn lights() -> Vec<PlacedLight> {
         let target = Vec3::new(FOUNTAIN.x, KERB + 2.6, FOUNTAIN.y);
         let axis = (target - position).normalize();
         let intensity = Vec3::new(0.75, 1.05, 1.25) * 30.0;
-        lights.push(SpotLight { position, axis, intensity, inner_angle: 0.3, outer_angle: 0.9 }.into());
+        lights.push(
+            SpotLight { position, axis, intensity, inner_angle: 0.3, outer_angle: 0.9, radius: 0.0 }.into(),
+        );
     }
     lights
 }
