@@ -85,6 +85,12 @@ macro_rules! written {
         function! { (compute(threads(32, 4, 1))) (global_invocation_id) id features []
             $stem $extent $body [Assumed, Silent,] $params $args $stores }
     };
+    (($body:ident $stem:ident $extent:ident known scene) $params:tt $args:tt $stores:tt) => {
+        written! { ($body $stem $extent known) $params $args $stores }
+    };
+    (($body:ident $stem:ident $extent:ident traced scene shadow) $params:tt $args:tt $stores:tt) => {
+        written! { ($body $stem $extent traced shadow) $params $args $stores }
+    };
     (($body:ident $stem:ident $extent:ident primary) $params:tt $args:tt $stores:tt) => {
         function! { (ray_generation) (launch_id) id features
             [#[spirv(descriptor_set = 0, binding = 0)] tlas: &AccelerationStructure,

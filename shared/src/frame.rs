@@ -74,6 +74,16 @@ pub mod mode {
     pub const UNBIASED: u32 = 1;
 }
 
+/// How often light is reflected on its way to what a pixel sees.
+pub mod indirect {
+    /// Never: direct light alone.
+    pub const OFF: u32 = 0;
+    /// Once at most.
+    pub const ONE: u32 = 1;
+    /// As often as it is.
+    pub const FULL: u32 = 2;
+}
+
 impl Settings {
     /// Does every reservoir between passes hold a sample that no opaque surface hides, or none?
     pub fn visibility_is_known(&self) -> bool {
@@ -90,6 +100,11 @@ impl Settings {
     pub fn neighbor_trust(&self) -> f32 {
         let neighbors = if self.in_pairs() { 1 } else { self.neighbors };
         if self.temporal != 0 { 1.0 / (neighbors * self.spatial_iterations) as f32 } else { 1.0 }
+    }
+
+    /// The same for paths, which always merge in pairs.
+    pub fn pair_trust(&self) -> f32 {
+        if self.temporal != 0 { 1.0 / self.spatial_iterations as f32 } else { 1.0 }
     }
 
     /// BSDF candidates of each reservoir in a scene with `features`. A ray finds visible samples only, so hidden ones have to be

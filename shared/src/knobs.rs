@@ -98,5 +98,9 @@ macro_rules! knobs {
         pairs -> pairs: switch() = true,
             label "Pairs", about "Merge pairs of pixels that chose each other, not `neighbors`; acts in unbiased mode",
             higher "one ray a pixel and pass", lower "several neighbors, two rays", bias "none";
+        indirect -> indirect: choice(Indirect, $crate::frame::indirect::OFF) = Off,
+            label "Indirect light", about "Light that is reflected on its way to what a pixel sees, by paths that are resampled as lights are",
+            higher "what no light reaches is lit by what is; three rays a pixel and more", lower "direct light alone",
+            bias "in both modes: none of what is asked for";
     } { $($host)* } } };
 }

@@ -1,14 +1,15 @@
 //! Weighted reservoir sampling: one survivor from a stream of candidates, drawn in proportion to their weights.
 
+use crate::bounced::PathSample;
 use crate::light::LightSample;
 use crate::math::safe_ratio;
 use bytemuck::{Pod, Zeroable};
 
 /// A reservoir while it is being filled, in registers (Bitterli et al. 2020, Alg. 2).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Reservoir {
+pub struct Reservoir<S = LightSample> {
     /// The survivor y.
-    pub sample: LightSample,
+    pub sample: S,
     /// p̂(y) at the pixel that fills the reservoir.
     pub target: f32,
     /// Σ w over all candidates seen.
@@ -17,32 +18,36 @@ pub struct Reservoir {
     pub confidence: f32,
 }
 
-/// A reservoir in memory between passes. 16 bytes.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+/// A reservoir in memory between passes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Zeroable)]
 #[repr(C)]
-pub struct StoredReservoir {
-    pub sample: LightSample,
+pub struct Stored<S> {
+    pub sample: S,
     /// W, an unbiased estimate of 1/p(y); 0: no light found. Always finite.
     pub contribution_weight: f32,
     /// M. An integer.
     pub confidence: f32,
 }
 
-impl Reservoir {
+/// Of direct light. 16 bytes.
+pub type StoredReservoir = Stored<LightSample>;
+
+/// Of light that bounces. 32 bytes.
+pub type StoredPath = Stored<PathSample>;
+
+// SAFETY: `repr(C)`, of 4-byte scalars alone, so without padding; any bits are a value.
+unsafe impl Pod for StoredReservoir {}
+// SAFETY: as above.
+unsafe impl Pod for StoredPath {}
+
+impl<S: Copy + PartialEq> Reservoir<S> {
     /// Shows the reservoir one candidate that stands for `confidence` others and weighs `resampling_weight`; `u` in [0, 1).
     /// Tells whether it became the survivor, which happens with probability w / Σw. A weight that is no positive
     /// finite number counts as 0.
     ///
     /// Equation (9): Bitterli (8); thesis (4.18).
     /// Equation (13): Bitterli section 2.2, Bitterli Alg. 2; thesis (4.20).
-    pub fn add(
-        &mut self,
-        sample: LightSample,
-        target: f32,
-        resampling_weight: f32,
-        confidence: f32,
-        u: f32,
-    ) -> bool {
+    pub fn add(&mut self, sample: S, target: f32, resampling_weight: f32, confidence: f32, u: f32) -> bool {
         self.confidence += confidence;
         // False for NaN too; f32::MAX keeps the sum of few weights finite.
         if !((resampling_weight > 0.0) & (resampling_weight < 1e35)) {
@@ -61,15 +66,15 @@ impl Reservoir {
     /// w = p̂(y) W M (Bitterli et al. 2020, Alg. 4).
     ///
     /// Equation (18): Bitterli section 3.2, Bitterli Alg. 4; thesis section 4.1.7.
-    pub fn merge(&mut self, other: StoredReservoir, target: f32, u: f32) -> bool {
+    pub fn merge(&mut self, other: Stored<S>, target: f32, u: f32) -> bool {
         self.add(other.sample, target, other.merged_weight(target), other.confidence, u)
     }
 
     /// W = Σw / (`normalization` p̂(y)). With normalization M it is RIS with uniform MIS weights.
     ///
     /// Equation (9): Bitterli Alg. 1; thesis (4.16), thesis (4.17).
-    pub fn finish(&self, normalization: f32) -> StoredReservoir {
-        StoredReservoir {
+    pub fn finish(&self, normalization: f32) -> Stored<S> {
+        Stored {
             sample: self.sample,
             contribution_weight: safe_ratio(safe_ratio(self.weight_sum, normalization), self.target),
             confidence: self.confidence,
@@ -77,9 +82,9 @@ impl Reservoir {
     }
 }
 
-impl StoredReservoir {
-    /// Do both hold a light, and the same point on it?
-    pub fn shares_sample_with(self, other: StoredReservoir) -> bool {
+impl<S: Copy + PartialEq> Stored<S> {
+    /// Do both hold a sample, and the same?
+    pub fn shares_sample_with(self, other: Self) -> bool {
         self.contribution_weight > 0.0 && other.contribution_weight > 0.0 && self.sample == other.sample
     }
 
@@ -87,7 +92,7 @@ impl StoredReservoir {
     ///
     /// Equation (20): Bitterli section 3.2, Bitterli Alg. 5; thesis section 4.1.7.
     pub fn occluded(self) -> Self {
-        StoredReservoir { contribution_weight: 0.0, ..self }
+        Stored { contribution_weight: 0.0, ..self }
     }
 
     /// p̂(y) W M, what it weighs in a merge at a pixel where its target is `target`.
@@ -101,7 +106,7 @@ impl StoredReservoir {
     ///
     /// Equation (19): Bitterli section 5; thesis section 4.1.7.
     pub fn capped(self, cap: f32) -> Self {
-        StoredReservoir { confidence: self.confidence.min(cap), ..self }
+        Stored { confidence: self.confidence.min(cap), ..self }
     }
 }
 
@@ -199,6 +204,6 @@ mod tests {
                 assert!(reservoir.finish(0.0).contribution_weight == 0.0);
             }
         }
-        assert_eq!(size_of::<StoredReservoir>(), 16);
+        assert_eq!((size_of::<StoredReservoir>(), size_of::<StoredPath>()), (16, 32));
     }
 }

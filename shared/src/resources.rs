@@ -54,6 +54,10 @@ macro_rules! resources {
             (1    points               (ScenePoint)        2      Pixels      { points = 28, previous_points = 29 })
             (1    caught               (u32)               1      Pixels      { caught = 30 })
             (1    aims                 (Aim)               1      Pixels      { aims = 31 })
+            (1    paths                (StoredPath)        3      Pixels      { paths = 32, merged_paths = 33, path_history = 34 })
+            (1    path_targets         (PairTargets)       0      Pixels      { path_targets = 35 })
+            (1    indirect_diffuse     (Vec3)              1      Pixels      { indirect_diffuse = 36 })
+            (1    indirect_specular    (Vec3)              1      Pixels      { indirect_specular = 37 })
             (2    previous_lights      (Light)             1      Scene       { previous_lights = 1 })
             (2    motions              (InstanceMotion)    1      Scene       { motions = 2 })
             (2    previous_to_current  (u32)               1      Scene       { previous_to_current = 3 })
@@ -76,7 +80,7 @@ pub mod element {
     pub use crate::motion::InstanceMotion;
     pub use crate::passes::pair_targets::PairTargets;
     pub use crate::points::{Aim, ScenePoint};
-    pub use crate::reservoir::StoredReservoir;
+    pub use crate::reservoir::{StoredPath, StoredReservoir};
     pub use crate::statistics::BlockSums;
     pub use crate::stored_ray::StoredRay;
     pub use crate::surface::GBufferTexel;

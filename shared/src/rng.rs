@@ -24,6 +24,8 @@ pub enum Stream {
     Pools = 10,
     /// Paths of the reference.
     Paths = 11,
+    /// Paths that are resampled.
+    Indirect = 12,
 }
 
 /// Random numbers of one pixel in one pass.

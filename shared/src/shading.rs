@@ -1,8 +1,9 @@
 //! What a finished reservoir contributes to its pixel.
 
-use crate::light::{Incident, LightTable};
+use crate::light::Incident;
 use crate::reflected::Reflected;
-use crate::reservoir::StoredReservoir;
+use crate::resampling::Source;
+use crate::reservoir::Stored;
 use crate::shadow::ShadowRay;
 use crate::surface::Surface;
 use crate::target::unshadowed;
@@ -34,15 +35,15 @@ impl<L: Reflected> Contribution<L> {
 /// f Le G W of the survivor, and the ray that decides over it.
 ///
 /// Equation (10): Bitterli (6); thesis (4.17).
-pub fn contribution<L: Reflected>(
+pub fn contribution<L: Reflected, S: Source>(
     surface: &Surface,
-    lights: LightTable<'_>,
-    reservoir: StoredReservoir,
+    source: S,
+    reservoir: Stored<S::Sample>,
 ) -> Contribution<L> {
     if reservoir.contribution_weight <= 0.0 {
         return Contribution::default();
     }
-    let incident = lights.incident(reservoir.sample, surface.position);
+    let incident = source.incident(reservoir.sample, surface.position);
     Contribution::new(surface, &incident, reservoir.contribution_weight)
 }
 

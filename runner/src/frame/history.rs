@@ -17,6 +17,8 @@ pub struct History {
     pub(super) index: u32,
     pub(super) previous_camera: Option<Camera>,
     pub(super) points: Points,
+    /// [`shared::frame::indirect`]: which paths the last frame left.
+    pub(super) paths: u32,
     /// Frames at rest since points last moved in their pixels.
     pub(super) rested: u32,
     /// [`crate::gpu_scene::GpuScene::version`] that the last frame saw.
@@ -34,6 +36,7 @@ impl History {
             index: 0,
             previous_camera: None,
             points: Points::Centers,
+            paths: 0,
             rested: 0,
             scene: 0,
             reservoirs,

@@ -4,7 +4,8 @@
 use super::pass::Step;
 use super::schedule::{Conditions, Rotation, Work, schedule};
 use shared::frame::Settings;
-use shared::passes::{Body, Stage};
+use shared::passes::indirect::LONGEST;
+use shared::passes::{Body, Stage, variant};
 use shared::resources::Extent;
 
 /// Rays a pixel of a frame with these settings, at most; fewer where nothing is hit or a sample's visibility is known.
@@ -28,6 +29,11 @@ fn of_step(step: &Step, settings: &Settings, features: u32) -> u64 {
         Body::temporal | Body::spatial => 2 * known,
         // The partner's sample.
         Body::pair_targets => known,
+        // To what reflects light, and from each of its points on and to a light.
+        Body::indirect_initial if step.variant & variant::FURTHER != 0 => 1 + 2 * u64::from(LONGEST),
+        Body::indirect_initial => 3,
+        Body::indirect_temporal => 2,
+        Body::indirect_pair_targets => 1,
         Body::shade | Body::shade_parts => u64::from(settings.reservoirs),
         Body::reference | Body::reference_parts => u64::from(step.constants.light_count),
         // One that goes on, and one to a light, at each point but the first.

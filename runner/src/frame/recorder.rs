@@ -68,6 +68,7 @@ impl Plan {
             history.advance(camera, self.next, self.now);
             history.points = self.points;
             history.rested = if self.points == Points::Returning { history.rested + 1 } else { 0 };
+            history.paths = self.constants.settings.indirect;
         }
     }
 }
@@ -244,7 +245,9 @@ impl Recorder {
         // Stochastic alpha may show another point. The first frame has no history to ask.
         let still =
             !self.ignores_motion && (history.index == 0 || same_points && features & features::ALPHA == 0);
-        let conditions = Conditions { draws, points, features, moved, still, parts: options.parts };
+        let has_paths = history.index > 0 && history.paths == settings.indirect;
+        let conditions =
+            Conditions { draws, points, features, moved, still, parts: options.parts, has_paths };
         let (steps, next) = schedule(&options.work, conditions, history.rotation);
         for (_, _, target) in steps.iter().flat_map(|step| &step.targets) {
             history.targets.make(&self.device, target.resource)?;

@@ -4,7 +4,7 @@ use super::pass::Step;
 use super::targets::Target;
 use crate::vulkan::Device;
 use serde::{Deserialize, Serialize};
-use shared::frame::{Settings, mode};
+use shared::frame::{Settings, indirect, mode};
 use shared::interface::PassConstants;
 use shared::passes::{Pass, variant};
 use shared::resources::{Binding, Resource};
@@ -72,6 +72,8 @@ pub struct Conditions {
     pub still: bool,
     /// Light is kept in parts until it is resolved.
     pub parts: bool,
+    /// The frame before left paths like those that this one draws.
+    pub has_paths: bool,
 }
 
 /// What a frame computes.
@@ -97,10 +99,16 @@ pub fn schedule(work: &Work, conditions: Conditions, rotation: Rotation) -> (Vec
         Work::Restir(ref settings) => {
             surfaces(&mut frame);
             restir_di(&mut frame, settings);
+            restir_gi(&mut frame, settings);
+            resolve(&mut frame);
+            if frame.conditions.parts && settings.indirect != indirect::OFF {
+                frame.run(Pass::resolve_indirect);
+            }
         }
         Work::Reference { lights } => {
             surfaces(&mut frame);
             reference(&mut frame, 0..lights);
+            resolve(&mut frame);
         }
         Work::Paths { bounces, paths: count } => {
             surfaces(&mut frame);
@@ -124,7 +132,6 @@ pub fn schedule(work: &Work, conditions: Conditions, rotation: Rotation) -> (Vec
             return (frame.steps, rotation);
         }
     }
-    resolve(&mut frame);
     frame.run(Pass::tonemap);
     (frame.steps, Rotation { gbuffer: 1 - rotation.gbuffer, history: frame.output })
 }
@@ -162,11 +169,8 @@ fn restir_di(frame: &mut Frame, settings: &Settings) {
         // At rest all visibility is known; nobody asks where it is left to shading.
         let known = !moved && (still || !settings.visibility_is_known());
         let pass = if unbiased && !known { Pass::temporal_traced } else { Pass::temporal };
-        let points = match frame.conditions.points {
-            Points::Centers => 0,
-            Points::Lasting | Points::Returning => variant::LASTING,
-        };
-        frame.run_variant(pass, weights | points | if moved { variant::MOVING } else { 0 });
+        let moving = if moved { variant::MOVING } else { 0 };
+        frame.run_variant(pass, weights | lasting(frame.conditions) | moving);
     }
     for iteration in 0..settings.spatial * settings.spatial_iterations {
         frame.exchange(iteration);
@@ -186,6 +190,40 @@ fn restir_di(frame: &mut Frame, settings: &Settings) {
         (true, false) => Pass::shade_parts,
         (true, true) => Pass::shade_parts_traced,
     });
+}
+
+/// The variant of passes that look for a point in the frame before.
+fn lasting(conditions: Conditions) -> u32 {
+    match conditions.points {
+        Points::Centers => 0,
+        Points::Lasting | Points::Returning => variant::LASTING,
+    }
+}
+
+/// ReSTIR for light that bounces: paths, reuse in time and in pairs, shading on top of direct light. Always unbiased.
+fn restir_gi(frame: &mut Frame, settings: &Settings) {
+    let further = match settings.indirect {
+        indirect::OFF => return,
+        indirect::ONE => 0,
+        _ => variant::FURTHER,
+    };
+    let Conditions { moved, still, parts, has_paths, .. } = frame.conditions;
+    // As many exchanges as of reservoirs: both end in the same place.
+    (frame.input, frame.output) = (frame.rotation.history, frame.rotation.other(0));
+    frame.run_variant(Pass::indirect_initial, further);
+    // What arrives at the points of paths may have changed where something has moved.
+    if settings.temporal != 0 && has_paths && !moved {
+        let pass = if still { Pass::indirect_temporal } else { Pass::indirect_temporal_traced };
+        frame.run_variant(pass, lasting(frame.conditions));
+    }
+    for iteration in 0..settings.spatial * settings.spatial_iterations {
+        frame.exchange(iteration);
+        let constants = PassConstants { iteration, ..Default::default() };
+        frame.run_with(Pass::indirect_pair_targets, constants);
+        frame.run_with(Pass::indirect_pair_merge, constants);
+    }
+    frame.input = frame.output;
+    frame.run(if parts { Pass::indirect_shade_parts } else { Pass::indirect_shade });
 }
 
 /// Fresh candidates from what the cells of the world have learned; and what they learn of it.
@@ -301,6 +339,9 @@ impl Frame {
             Binding::merged => copy(Resource::reservoirs, self.output),
             // The history is dead once it is merged: pairs of pixels tell each other there what they know.
             Binding::history | Binding::pair_targets => self.rotation.last_reservoirs(),
+            Binding::paths => copy(Resource::paths, self.input),
+            Binding::merged_paths => copy(Resource::paths, self.output),
+            Binding::path_history | Binding::path_targets => copy(Resource::paths, self.rotation.history),
             Binding::radiance if !self.resolved => Resource::emission.into(),
             once => once.resource().into(),
         }

@@ -2,7 +2,7 @@
 
 use crate::frame::schedule::Primary;
 use serde::{Deserialize, Serialize};
-use shared::frame::mode;
+use shared::frame::{indirect, mode};
 
 /// One of a few words, from the lowest to the highest.
 pub trait Choice: Copy + PartialEq + 'static {
@@ -40,6 +40,34 @@ impl From<Mode> for u32 {
         match mode {
             Mode::Biased => mode::BIASED,
             Mode::Unbiased => mode::UNBIASED,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Indirect {
+    Off,
+    One,
+    Full,
+}
+
+impl Choice for Indirect {
+    const ALL: &'static [Self] = &[Indirect::Off, Indirect::One, Indirect::Full];
+    const WORDS: &'static [(&'static str, &'static str)] = &[
+        ("off", "Direct light alone"),
+        ("one", "Light that was reflected once: `reference --bounces 1`"),
+        ("full", "Light that was reflected any number of times: `reference --bounces inf`"),
+    ];
+}
+
+/// The field of [`shared::frame::Settings`].
+impl From<Indirect> for u32 {
+    fn from(indirect: Indirect) -> u32 {
+        match indirect {
+            Indirect::Off => indirect::OFF,
+            Indirect::One => indirect::ONE,
+            Indirect::Full => indirect::FULL,
         }
     }
 }

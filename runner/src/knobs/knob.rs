@@ -1,6 +1,6 @@
 //! A knob as people see it: its words, its range, its steps.
 
-use super::{Auto, Choice, Knobs, Mode};
+use super::{Auto, Choice, Indirect, Knobs, Mode};
 use crate::frame::schedule::Primary;
 use shared::light::count::Condition;
 use std::fmt;
@@ -288,4 +288,4 @@ fn on_with(Condition { number, sparse }: &Condition) -> String {
     }
 }
 
-choices! { Auto Mode Primary }
+choices! { Auto Indirect Mode Primary }

@@ -5,7 +5,7 @@ mod choice;
 mod file;
 mod knob;
 
-pub use choice::{Auto, Choice, Mode};
+pub use choice::{Auto, Choice, Indirect, Mode};
 pub use knob::{Knob, Step, Value};
 
 use crate::frame::schedule::Primary;

@@ -44,8 +44,11 @@ macro_rules! stage {
     (compute) => {
         Stage::Compute
     };
-    (known) => {
+    (known $($scene:ident)?) => {
         Stage::Compute
+    };
+    (traced scene $($rays:ident)*) => {
+        stage!(traced $($rays)*)
     };
     (drawn) => {
         Stage::Raster
@@ -174,15 +177,17 @@ macro_rules! runs {
             note: impl Witness,
             buffers: &Buffers<'_>,
         ) -> Option<Output> {
-            $(run_of!($stage $body $extent $read $update, body, at, rays, note, buffers);)*
+            $(run_of!($stage $rays $body $extent $read $update, body, at, rays, note, buffers);)*
             None
         }
     };
 }
 
 macro_rules! run_of {
-    (known $($rest:tt)*) => { run_of!(asks $($rest)*) };
-    (traced $($rest:tt)*) => { run_of!(asks $($rest)*) };
+    (known (scene) $($rest:tt)*) => {};
+    (traced (scene $($rays:ident)*) $($rest:tt)*) => {};
+    (known () $($rest:tt)*) => { run_of!(asks $($rest)*) };
+    (traced $rays:tt $($rest:tt)*) => { run_of!(asks $($rest)*) };
     (asks $name:ident $extent:ident [$($read:ident)*] [$($update:ident)*],
         $body:ident, $at:ident, $rays:ident, $note:ident, $buffers:ident) => {
         if $body == Body::$name {
@@ -191,7 +196,7 @@ macro_rules! run_of {
             return Some(result.into());
         }
     };
-    ($stage:ident $name:ident $extent:ident $read:tt $update:tt, $($rest:tt)*) => {};
+    ($stage:ident $rays:tt $name:ident $extent:ident $read:tt $update:tt, $($rest:tt)*) => {};
 }
 
 crate::passes!(runs);

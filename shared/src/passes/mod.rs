@@ -7,6 +7,7 @@ pub mod accumulate;
 pub mod cells;
 #[cfg(not(target_arch = "spirv"))]
 mod declared;
+pub mod indirect;
 pub mod initial;
 pub mod learn;
 pub mod observe;
@@ -32,6 +33,10 @@ pub use accumulate::accumulate;
 pub use cells::{cells, mark_cells, pools};
 #[cfg(not(target_arch = "spirv"))]
 pub use declared::{Access, Body, Output, Pass, Rays, Stage, run};
+pub use indirect::{
+    indirect_initial, indirect_pair_merge, indirect_pair_targets, indirect_shade, indirect_shade_parts,
+    indirect_temporal,
+};
 pub use initial::initial;
 pub use learn::{learn_beliefs, learn_lists};
 pub use observe::observe;
@@ -41,7 +46,7 @@ pub use paths::{paths, paths_parts};
 pub use points::{aim, scatter};
 pub use presample::presample;
 pub use reference::{reference, reference_parts};
-pub use resolve::resolve;
+pub use resolve::{resolve, resolve_indirect};
 pub use roofline::{roofline_copy, roofline_shadow};
 pub use shade::{shade, shade_parts};
 pub use spatial::spatial;
@@ -84,6 +89,8 @@ pub mod variant {
     pub const LASTING: u32 = 16;
     /// Neither camera nor scene has changed since the previous frame.
     pub const RESTS: u32 = 32;
+    /// Light may bounce more than once.
+    pub const FURTHER: u32 = 64;
 }
 
 /// One thread of a pass, and what is the same for all of them.

@@ -16,3 +16,15 @@ pub fn resolve(
     let i = at.index(Extent::Pixels);
     emission[i] + (gbuffer[i].diffuse() * direct_diffuse[i] + direct_specular[i])
 }
+
+/// The same with light that bounces: `radiance` as [`resolve`] left it.
+pub fn resolve_indirect(
+    at: At<'_>,
+    gbuffer: &[GBufferTexel],
+    indirect_diffuse: &[Vec3],
+    indirect_specular: &[Vec3],
+    radiance: Vec3,
+) -> Vec3 {
+    let i = at.index(Extent::Pixels);
+    radiance + (gbuffer[i].diffuse() * indirect_diffuse[i] + indirect_specular[i])
+}

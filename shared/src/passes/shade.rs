@@ -59,7 +59,7 @@ fn lit<L: Reflected>(
     let mut lane = 0;
     while lane < at.frame.settings.reservoirs {
         let stored = reservoirs[reservoir_index(at.frame, at.pixel, lane) as usize];
-        let mut shaded = contribution::<L>(&surface, table, stored);
+        let mut shaded = contribution::<L, _>(&surface, table, stored);
         note.shaded(stored, &mut shaded);
         let key = alpha::key(rng.next_u32x4().x);
         let visible = !shaded.is_dark() && rays.sees(Question::Shade, shaded.ray, key);

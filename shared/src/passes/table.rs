@@ -11,6 +11,7 @@
 /// | `compute` | its [`crate::passes::At`] |
 /// | `known` | that, and no ray: [`crate::passes::Assumed`] answers |
 /// | `traced(..)` | that, and the hardware, by shadow rays; `nearest`: also by BSDF rays, `previous`: also in the previous frame |
+/// | `known(scene)`, `traced(scene shadow)` | the same; the body reads textures, so only the device runs it |
 /// | `bounced` | that, and the hardware, by shadow rays and rays that ask what they meet, whatever it is |
 /// | `primary` | that, and the hardware, by rays from the eye |
 /// | `drawn` | none: vertex and fragment shaders of their own |
@@ -63,6 +64,22 @@ macro_rules! passes {
                 [lights alias gbuffer reservoirs] [radiance] [])
             (shade_parts Pixels { known() shade_parts, traced(shadow) shade_parts_traced }
                 [lights alias gbuffer reservoirs] [] [direct_diffuse direct_specular])
+            (indirect_initial Pixels { bounced() indirect_initial }
+                [lights alias instances positions attributes indices materials second_uvs environment textures gbuffer] [] [merged_paths])
+            (indirect_temporal Pixels { known(scene) indirect_temporal, traced(scene shadow) indirect_temporal_traced }
+                [lights alias instances positions attributes indices materials second_uvs environment textures gbuffer
+                previous_gbuffer path_history aims] [merged_paths] [])
+            (indirect_pair_targets Pixels { traced(scene shadow) indirect_pair_targets }
+                [lights alias instances positions attributes indices materials second_uvs environment textures gbuffer paths] []
+                [path_targets])
+            (indirect_pair_merge Pixels { known(scene) indirect_pair_merge }
+                [paths path_targets] [] [merged_paths])
+            (indirect_shade Pixels { known(scene) indirect_shade }
+                [lights alias instances positions attributes indices materials second_uvs environment textures gbuffer paths]
+                [radiance] [])
+            (indirect_shade_parts Pixels { known(scene) indirect_shade_parts }
+                [lights alias instances positions attributes indices materials second_uvs environment textures gbuffer paths] []
+                [indirect_diffuse indirect_specular])
             (reference Pixels { traced(shadow) reference }
                 [lights gbuffer] [radiance] [])
             (reference_parts Pixels { traced(shadow) reference_parts }
@@ -74,6 +91,8 @@ macro_rules! passes {
                 [direct_diffuse direct_specular])
             (resolve Pixels { compute() resolve }
                 [gbuffer direct_diffuse direct_specular emission] [] [radiance])
+            (resolve_indirect Pixels { compute() resolve_indirect }
+                [gbuffer indirect_diffuse indirect_specular] [radiance] [])
             (tonemap Pixels { compute() tonemap }
                 [radiance] [] [display])
             (accumulate Pixels { compute() accumulate }

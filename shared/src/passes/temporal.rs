@@ -13,7 +13,8 @@ use crate::resampling::{CrossProposal, Survivor, UniformMerge, moving, reservoir
 use crate::reservoir::StoredReservoir;
 use crate::resources::Extent;
 use crate::rng::{Stream, unit_f32};
-use crate::surface::GBufferTexel;
+use crate::surface::{GBufferTexel, Surface};
+use glam::UVec2;
 
 /// `current`: the reservoir as `initial` left it.
 #[allow(clippy::too_many_arguments)]
@@ -39,30 +40,14 @@ pub fn temporal<V: Visibility>(
         return current;
     }
     let surface = at.surface(&texel);
-    let lasts = if at.is(variant::LASTING) {
-        aims[at.index(Extent::Pixels)].source().map(|source| frame.pixel_at(source))
-    } else {
-        None
-    };
-    let (pixel, found) = match lasts {
-        Some(pixel) => (pixel, true),
-        None => {
-            let mut before = Before::still(frame, &surface);
-            if moving {
-                before = before.moved(&surface, &motions[texel.instance() as usize]);
-            }
-            let Some(place) = before.place(frame) else {
-                note.place(None, false);
-                return current;
-            };
-            let previous_texel = previous_gbuffer[frame.pixel_index(place.pixel) as usize];
-            (place.pixel, similar_at(frame, &surface, before, place, &previous_texel))
-        }
-    };
-    note.place(Some(pixel), found);
-    if !found {
-        return current;
+    let mut then = Before::still(frame, &surface);
+    if moving {
+        then = then.moved(&surface, &motions[texel.instance() as usize]);
     }
+    let Some(History { pixel, lasts }) = history_of(at, &mut note, &surface, then, previous_gbuffer, aims)
+    else {
+        return current;
+    };
     let previous_texel = previous_gbuffer[frame.pixel_index(pixel) as usize];
     let table = at.light_table(lights, alias);
     let past = PastLights {
@@ -86,7 +71,7 @@ pub fn temporal<V: Visibility>(
     let mut cross = if moving {
         moving::cross(table, past, &surface, current, &there, history)
     } else {
-        let same_point = (lasts.is_some() || there.is_same_point(&surface)).into();
+        let same_point = (lasts != 0 || there.is_same_point(&surface)).into();
         CrossProposal { same_point, ..CrossProposal::new(table, &surface, current, &there, history) }
     };
     note.cross(&mut cross);
@@ -113,4 +98,40 @@ pub fn temporal<V: Visibility>(
         return current;
     }
     survivor.kept(known || rays.sees(Question::Survivor, survivor.ray, SURE_HITS_ONLY))
+}
+
+/// The pixel of the previous frame that saw what this one sees.
+#[derive(Clone, Copy, Debug)]
+pub struct History {
+    pub pixel: UVec2,
+    /// 1: it is the very point, which has lasted. (rust-gpu takes no bool in an Option.)
+    pub lasts: u32,
+}
+
+/// Where the previous frame saw `surface`, if it was `then` what it is; nowhere where that pixel saw another. `aims` are read by the
+/// variant whose points last.
+pub fn history_of(
+    at: At<'_>,
+    note: &mut impl Witness,
+    surface: &Surface,
+    then: Before,
+    previous_gbuffer: &[GBufferTexel],
+    aims: &[Aim],
+) -> Option<History> {
+    let frame = at.frame;
+    if at.is(variant::LASTING)
+        && let Some(source) = aims[at.index(Extent::Pixels)].source()
+    {
+        let pixel = frame.pixel_at(source);
+        note.place(Some(pixel), true);
+        return Some(History { pixel, lasts: 1 });
+    }
+    let Some(place) = then.place(frame) else {
+        note.place(None, false);
+        return None;
+    };
+    let previous_texel = previous_gbuffer[frame.pixel_index(place.pixel) as usize];
+    let found = similar_at(frame, surface, then, place, &previous_texel);
+    note.place(Some(place.pixel), found);
+    if found { Some(History { pixel: place.pixel, lasts: 0 }) } else { None }
 }

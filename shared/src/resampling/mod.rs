@@ -1,4 +1,4 @@
-//! What the passes of ReSTIR DI are made of.
+//! What the passes of ReSTIR are made of: of direct light, and of light that bounces.
 
 pub mod initial;
 pub mod moving;
@@ -8,8 +8,8 @@ pub mod reprojection;
 pub mod spatial;
 
 use crate::frame::{FrameConstants, Settings};
-use crate::light::LightTable;
-use crate::reservoir::{Reservoir, StoredReservoir};
+use crate::light::{Incident, LightSample, LightTable};
+use crate::reservoir::{Reservoir, Stored, StoredReservoir};
 use crate::shadow::ShadowRay;
 use crate::surface::{GBufferTexel, Surface};
 use crate::target::target_function;
@@ -45,41 +45,57 @@ pub fn is_similar_normal(settings: &Settings, normal: Vec3, texel: &GBufferTexel
     texel.normal().dot(normal) >= settings.normal_threshold
 }
 
+/// What samples mean: light that comes from a point, as a receiver sees it.
+pub trait Source: Copy {
+    type Sample: Copy + Default + PartialEq;
+
+    /// `sample` as seen from `receiver` (world space, m), unshadowed; dark for a sample of nothing.
+    fn incident(self, sample: Self::Sample, receiver: Vec3) -> Incident;
+}
+
+impl Source for LightTable<'_> {
+    type Sample = LightSample;
+
+    fn incident(self, sample: LightSample, receiver: Vec3) -> Incident {
+        self.lights.incident(sample, receiver)
+    }
+}
+
 /// p̂ of a reservoir's survivor at `surface`; 0 for a reservoir without one.
-pub fn target_of(surface: &Surface, lights: LightTable<'_>, reservoir: StoredReservoir) -> f32 {
+pub fn target_of<S: Source>(surface: &Surface, source: S, reservoir: Stored<S::Sample>) -> f32 {
     if reservoir.contribution_weight <= 0.0 {
         return 0.0;
     }
-    target_function(surface, &lights.incident(reservoir.sample, surface.position))
+    target_function(surface, &source.incident(reservoir.sample, surface.position))
 }
 
 /// Another pixel's reservoir about to be merged, and the ray that asks whether that pixel could have found the canonical
 /// sample.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct CrossProposal {
-    pub neighbor: StoredReservoir,
+pub struct CrossProposal<S = LightSample> {
+    pub neighbor: Stored<S>,
     pub targets: CrossTargets,
     pub ray: ShadowRay,
     /// 1: both pixels see the same point, and what one sees, the other does. (rust-gpu takes no bool in an Option.)
     pub same_point: u32,
 }
 
-impl CrossProposal {
+impl<S: Copy + Default + PartialEq> CrossProposal<S> {
     /// Reservoir `neighbor` of a pixel that sees `there`, against `canonical` of one that sees `here`.
     pub fn new(
-        lights: LightTable<'_>,
+        source: impl Source<Sample = S>,
         here: &Surface,
-        canonical: StoredReservoir,
+        canonical: Stored<S>,
         there: &Surface,
-        neighbor: StoredReservoir,
+        neighbor: Stored<S>,
     ) -> Self {
-        let incident = lights.incident(canonical.sample, there.position);
+        let incident = source.incident(canonical.sample, there.position);
         let sees_canonical = canonical.contribution_weight > 0.0;
         CrossProposal {
             neighbor,
             targets: CrossTargets {
-                neighbor_at_canonical: target_of(here, lights, neighbor),
-                neighbor_at_neighbor: target_of(there, lights, neighbor),
+                neighbor_at_canonical: target_of(here, source, neighbor),
+                neighbor_at_neighbor: target_of(there, source, neighbor),
                 canonical_at_neighbor: if sees_canonical { target_function(there, &incident) } else { 0.0 },
             },
             ray: ShadowRay::new(there, &incident),
@@ -101,33 +117,33 @@ impl CrossProposal {
 
 /// A finished reservoir, and the ray of visibility reuse that may still empty it.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Survivor {
-    pub reservoir: StoredReservoir,
+pub struct Survivor<S = LightSample> {
+    pub reservoir: Stored<S>,
     pub ray: ShadowRay,
     /// An earlier ray has shown the sample to be visible.
     pub seen: bool,
 }
 
-impl Survivor {
+impl<S: Copy + Default + PartialEq> Survivor<S> {
     /// `reservoir`, filled at `surface`.
-    pub fn new(surface: &Surface, lights: LightTable<'_>, reservoir: StoredReservoir) -> Self {
-        let ray = ShadowRay::new(surface, &lights.incident(reservoir.sample, surface.position));
+    pub fn new(surface: &Surface, source: impl Source<Sample = S>, reservoir: Stored<S>) -> Self {
+        let ray = ShadowRay::new(surface, &source.incident(reservoir.sample, surface.position));
         Survivor { reservoir, ray, seen: false }
     }
 
     /// A merge at `surface`, which sees the sample of `canonical`.
     pub fn merged(
         surface: &Surface,
-        lights: LightTable<'_>,
-        canonical: StoredReservoir,
-        reservoir: StoredReservoir,
+        source: impl Source<Sample = S>,
+        canonical: Stored<S>,
+        reservoir: Stored<S>,
     ) -> Self {
         let seen = canonical.shares_sample_with(reservoir);
-        Survivor { seen, ..Survivor::new(surface, lights, reservoir) }
+        Survivor { seen, ..Survivor::new(surface, source, reservoir) }
     }
 
     /// Visibility reuse (Bitterli et al. 2020, Alg. 5, line 6): the reservoir, or an empty one where its sample is hidden.
-    pub fn kept(self, visible: bool) -> StoredReservoir {
+    pub fn kept(self, visible: bool) -> Stored<S> {
         if visible { self.reservoir } else { self.reservoir.occluded() }
     }
 

@@ -11,13 +11,14 @@
 //! They sum to 1 wherever p̂_0 > 0. Unbiased as long as every p̂_i is 0 where pixel i can't have found y: with visibility
 //! reuse, p̂_i includes the visibility from pixel i, which is why [`Pairwise::add`] wants a ray's answer.
 
+use crate::light::LightSample;
 use crate::math::safe_ratio;
-use crate::reservoir::{Reservoir, StoredReservoir};
+use crate::reservoir::{Reservoir, Stored};
 
 /// A merge in progress, around one canonical reservoir.
 #[derive(Clone, Copy, Debug)]
-pub struct Pairwise {
-    canonical: StoredReservoir,
+pub struct Pairwise<S = LightSample> {
+    canonical: Stored<S>,
     /// p̂_0(y_0).
     canonical_target: f32,
     /// m_0(y_0) so far.
@@ -27,7 +28,7 @@ pub struct Pairwise {
     total: f32,
     /// t: what the confidence of others counts beside the canonical one's.
     trust: f32,
-    merged: Reservoir,
+    merged: Reservoir<S>,
 }
 
 /// The four target functions between the canonical pixel 0 and another pixel i.
@@ -52,9 +53,9 @@ pub struct Weighed {
     pub survives: bool,
 }
 
-impl Pairwise {
+impl<S: Copy + Default + PartialEq> Pairwise<S> {
     /// `others`: the confidences of all reservoirs that will be added. `trust`: t.
-    pub fn new(canonical: StoredReservoir, canonical_target: f32, others: f32, trust: f32) -> Self {
+    pub fn new(canonical: Stored<S>, canonical_target: f32, others: f32, trust: f32) -> Self {
         let others = trust * others;
         let total = canonical.confidence + others;
         Pairwise {
@@ -72,7 +73,7 @@ impl Pairwise {
     ///
     /// Equation (22): Bitterli section 4.3.
     /// Equation (24).
-    pub fn add(&mut self, neighbor: StoredReservoir, targets: CrossTargets, u: f32) -> Weighed {
+    pub fn add(&mut self, neighbor: Stored<S>, targets: CrossTargets, u: f32) -> Weighed {
         let share = safe_ratio(self.trust * neighbor.confidence, self.total);
         let there = self.others * targets.neighbor_at_neighbor;
         let here = self.canonical.confidence * targets.neighbor_at_canonical;
@@ -87,7 +88,7 @@ impl Pairwise {
         Weighed { mis_weight, weight, survives }
     }
 
-    pub fn canonical(&self) -> StoredReservoir {
+    pub fn canonical(&self) -> Stored<S> {
         self.canonical
     }
 
@@ -119,7 +120,7 @@ impl Pairwise {
     }
 
     /// All that was added; the canonical survivor comes last.
-    pub fn finish(self) -> StoredReservoir {
+    pub fn finish(self) -> Stored<S> {
         self.merged.finish(1.0)
     }
 }
@@ -127,7 +128,7 @@ impl Pairwise {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::light::LightSample;
+    use crate::reservoir::StoredReservoir;
 
     fn stored(light: u32, weight: f32, confidence: f32) -> StoredReservoir {
         StoredReservoir { sample: LightSample { light, uv: 0 }, contribution_weight: weight, confidence }
