@@ -105,6 +105,7 @@ fn scalars(element: &str) -> &'static str {
         "PairTargets" => "ffu",
         "ScenePoint" => "uuff",
         "StoredRay" => "fffufffu",
+        "StoredPath" => "uuuuuuff",
         "StoredReservoir" => "uuff",
         "TileEntry" => "fffuuufu",
         "VertexAttributes" => "uuffu",

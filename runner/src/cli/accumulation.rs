@@ -17,41 +17,41 @@ pub const NOTHING: f32 = 1e10;
 
 /// The mean of frames, and of paths that are added to them.
 pub struct Accumulation {
-    frames: Light,
+    frames: Mean,
     /// None before the first ones.
-    paths: Option<Light>,
-    /// Of the frames, where layers are asked for, nit.
-    emission: Option<Mean>,
+    paths: Option<Mean>,
+    /// Where they are asked for.
+    layers: Option<Layers>,
 }
 
-/// Means, nit.
-struct Light {
-    radiance: Mean,
-    /// By the lobes that reflect it, where layers are asked for.
-    lobes: Option<Lobes>,
+/// Means of light by where it comes from, nit.
+struct Layers {
+    emission: Mean,
+    direct: Lobes,
+    /// None without light that bounces.
+    indirect: Option<Lobes>,
 }
 
+/// Light by the lobes that reflect it.
 struct Lobes {
     diffuse: Mean,
     specular: Mean,
 }
 
-impl Light {
-    fn new(size: UVec2, layers: bool) -> Self {
-        let mean = || Mean::new(size);
-        Light { radiance: mean(), lobes: layers.then(|| Lobes { diffuse: mean(), specular: mean() }) }
+impl Lobes {
+    fn new(size: UVec2) -> Self {
+        Lobes { diffuse: Mean::new(size), specular: Mean::new(size) }
     }
 
-    /// The lobes of the last frame of `renderer`, where they are asked for: their sum.
-    fn add_lobes(&mut self, renderer: &Renderer) -> Result<Option<Vec<Vec3>>> {
-        let Some(lobes) = &mut self.lobes else { return Ok(None) };
-        let mut diffuse: Vec<Vec3> = renderer.read(Resource::direct_diffuse)?;
+    /// One more: these two, the one under an albedo of 1, of the last frame of `renderer`. Gives their sum.
+    fn add(&mut self, renderer: &Renderer, diffuse: Resource, specular: Resource) -> Result<Vec<Vec3>> {
+        let mut diffuse: Vec<Vec3> = renderer.read(diffuse)?;
         let gbuffer = renderer.gbuffer()?;
         diffuse.iter_mut().zip(&gbuffer).for_each(|(light, texel)| *light *= texel.diffuse());
-        let specular: Vec<Vec3> = renderer.read(Resource::direct_specular)?;
-        lobes.diffuse.add(&diffuse);
-        lobes.specular.add(&specular);
-        Ok(Some(sum(diffuse, &specular)))
+        let specular: Vec<Vec3> = renderer.read(specular)?;
+        self.diffuse.add(&diffuse);
+        self.specular.add(&specular);
+        Ok(sum(diffuse, &specular))
     }
 }
 
@@ -63,65 +63,69 @@ fn sum(mut a: Vec<Vec3>, b: &[Vec3]) -> Vec<Vec3> {
 impl Accumulation {
     /// Of no frames yet. `layers`: they will be rendered in parts.
     pub fn new(size: UVec2, layers: bool) -> Self {
-        let emission = layers.then(|| Mean::new(size));
-        Accumulation { frames: Light::new(size, layers), paths: None, emission }
+        let empty = || Layers { emission: Mean::new(size), direct: Lobes::new(size), indirect: None };
+        Accumulation { frames: Mean::new(size), paths: None, layers: layers.then(empty) }
     }
 
     /// One more: the last frame of `renderer`.
     pub fn add(&mut self, renderer: &Renderer) -> Result<()> {
-        self.frames.radiance.add(&renderer.radiance()?);
-        self.frames.add_lobes(renderer)?;
-        if let Some(emission) = &mut self.emission {
-            emission.add(&renderer.read::<Vec3>(Resource::emission)?);
+        self.frames.add(&renderer.radiance()?);
+        let Some(layers) = &mut self.layers else { return Ok(()) };
+        layers.emission.add(&renderer.read::<Vec3>(Resource::emission)?);
+        layers.direct.add(renderer, Resource::direct_diffuse, Resource::direct_specular)?;
+        if renderer.has_paths() {
+            let indirect = layers.indirect.get_or_insert_with(|| Lobes::new(renderer.size()));
+            indirect.add(renderer, Resource::indirect_diffuse, Resource::indirect_specular)?;
         }
         Ok(())
     }
 
     /// One more path a pixel: the last frame of `renderer`, which held them alone.
     pub fn add_paths(&mut self, renderer: &Renderer) -> Result<()> {
-        let layers = self.emission.is_some();
-        let paths = self.paths.get_or_insert_with(|| Light::new(renderer.size(), layers));
-        let radiance = match paths.add_lobes(renderer)? {
-            Some(radiance) => radiance,
+        let radiance = match &mut self.layers {
+            Some(layers) => {
+                let indirect = layers.indirect.get_or_insert_with(|| Lobes::new(renderer.size()));
+                indirect.add(renderer, Resource::direct_diffuse, Resource::direct_specular)?
+            }
             None => renderer.radiance()?,
         };
-        paths.radiance.add(&radiance);
+        self.paths.get_or_insert_with(|| Mean::new(renderer.size())).add(&radiance);
         Ok(())
     }
 
     /// The picture, nit.
     pub fn radiance(&self) -> Vec<Vec3> {
-        self.light(|light| Some(&light.radiance)).unwrap_or_default()
+        let frames = self.frames.radiance();
+        match &self.paths {
+            Some(paths) => sum(frames, &paths.radiance()),
+            None => frames,
+        }
     }
 
     /// Mean of the pixels' standard errors over the mean luminance.
     pub fn relative_standard_error(&self) -> f64 {
-        let mut errors = self.frames.radiance.standard_errors();
+        let mut errors = self.frames.standard_errors();
         if let Some(paths) = &self.paths {
-            errors.iter_mut().zip(paths.radiance.standard_errors()).for_each(|(a, b)| *a = a.hypot(b));
+            errors.iter_mut().zip(paths.standard_errors()).for_each(|(a, b)| *a = a.hypot(b));
         }
         let error: f64 = errors.iter().sum();
         let luminance: f64 = self.radiance().iter().map(|&c| f64::from(luminance(c))).sum();
         if luminance > 0.0 { error / luminance } else { 0.0 }
     }
 
-    /// Of frames and paths together.
-    fn light(&self, mean: impl Fn(&Light) -> Option<&Mean>) -> Option<Vec<Vec3>> {
-        let frames = mean(&self.frames)?.radiance();
-        Some(match self.paths.as_ref().and_then(mean) {
-            Some(paths) => sum(frames, &paths.radiance()),
-            None => frames,
-        })
-    }
-
     /// Writes an .exr; its layers are the parts, and what the last frame of `renderer` saw from `camera`.
     pub fn write_exr(&self, path: &Path, renderer: &Renderer, camera: Camera) -> Result<()> {
         let (size, radiance) = (renderer.size(), self.radiance());
-        let lobe = |of: fn(&Lobes) -> &Mean| self.light(|light| light.lobes.as_ref().map(of));
-        let layers = (lobe(|lobes| &lobes.diffuse), lobe(|lobes| &lobes.specular), &self.emission);
-        let (Some(diffuse), Some(specular), Some(emission)) = layers else {
+        let Some(Layers { emission, direct, indirect }) = &self.layers else {
             return image_io::write_exr(path, size, &radiance);
         };
+        let (mut diffuse, mut specular) = (direct.diffuse.radiance(), direct.specular.radiance());
+        let mut bounced = Vec::new();
+        if let Some(lobes) = indirect {
+            diffuse = sum(diffuse, &lobes.diffuse.radiance());
+            specular = sum(specular, &lobes.specular.radiance());
+            bounced.push(("indirect.", "RGB", sum(lobes.diffuse.radiance(), &lobes.specular.radiance())));
+        }
         let gbuffer = renderer.gbuffer()?;
         let seen = |look: fn(&GBufferTexel) -> Vec3| -> Vec<Vec3> {
             gbuffer.iter().map(|texel| if texel.is_empty() { Vec3::ZERO } else { look(texel) }).collect()
@@ -142,7 +146,7 @@ impl Accumulation {
             ("f0.", "RGB", seen(GBufferTexel::f0)),
             ("normal.", "XYZ", seen(GBufferTexel::normal)),
         ];
-        let channels = layers.iter().flat_map(|(layer, names, content)| {
+        let channels = layers.iter().chain(&bounced).flat_map(|(layer, names, content)| {
             let channel = move |(i, name)| {
                 Channel::new(&format!("{layer}{name}"), content.iter().map(|value| value[i]).collect())
             };

@@ -7,6 +7,7 @@ use crate::vulkan::{Buffer, Device};
 use bytemuck::Pod;
 use glam::{UVec2, Vec3};
 use shared::camera::Camera;
+use shared::frame::indirect;
 use shared::resources::Resource;
 use shared::stored_ray::StoredRay;
 
@@ -36,7 +37,7 @@ impl History {
             index: 0,
             previous_camera: None,
             points: Points::Centers,
-            paths: 0,
+            paths: indirect::OFF,
             rested: 0,
             scene: 0,
             reservoirs,
@@ -57,6 +58,11 @@ impl History {
     /// Frames since the start.
     pub fn index(&self) -> u32 {
         self.index
+    }
+
+    /// Did the last frame show light that bounces?
+    pub fn has_paths(&self) -> bool {
+        self.paths != indirect::OFF
     }
 
     /// Device memory of the picture-sized buffers, bytes.

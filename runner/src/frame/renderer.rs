@@ -56,6 +56,11 @@ impl Renderer {
         self.history.bytes()
     }
 
+    /// Did the last frame show light that bounces?
+    pub fn has_paths(&self) -> bool {
+        self.history.has_paths()
+    }
+
     /// Forgets the past: the next frame is number 0.
     pub fn restart(&mut self) {
         self.history.restart();

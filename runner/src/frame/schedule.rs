@@ -364,8 +364,9 @@ mod tests {
                 [(0, 0, 0), (0, 1, 0), (1, 0, 0), (1, 1, 0), (0, 1, 1), (1, 1, 1)]
             {
                 let spatial_iterations = iterations;
+                let indirect = [indirect::ONE, indirect::FULL][iterations as usize % 2];
                 let settings =
-                    Settings { temporal, spatial, pairs, spatial_iterations, ..Default::default() };
+                    Settings { temporal, spatial, pairs, spatial_iterations, indirect, ..Default::default() };
                 follow(&Work::Restir(settings), Points::Centers, true, "gbuffer_raster");
                 follow(&Work::Restir(settings), Points::Centers, false, "gbuffer");
                 follow(&Work::Restir(settings), Points::Lasting, false, "gbuffer_aimed");
@@ -377,9 +378,10 @@ mod tests {
         let mut rotation = Rotation::default();
         let mut content: HashMap<Target, (u32, &str)> = HashMap::new();
         for frame in 0..7 {
-            let conditions = Conditions { draws, points, moved: frame % 2 == 1, ..Default::default() };
+            let (moved, has_paths) = (frame % 2 == 1, frame > 0);
+            let conditions = Conditions { draws, points, moved, has_paths, ..Default::default() };
             let (steps, next) = schedule(work, conditions, rotation);
-            let mut last_reservoirs = "";
+            let (mut last_reservoirs, mut last_paths) = ("", "");
             for step in &steps {
                 for &(binding, access, target) in &step.targets {
                     let found = content.get(&target).copied();
@@ -400,7 +402,11 @@ mod tests {
                         Binding::pair_targets if access == Access::Read => {
                             assert_eq!(found, Some((frame, "pair_targets")))
                         }
-                        Binding::history if frame > 0 => {
+                        Binding::paths => assert_eq!(found, Some((frame, last_paths))),
+                        Binding::path_targets if access == Access::Read => {
+                            assert_eq!(found, Some((frame, "indirect_pair_targets")))
+                        }
+                        Binding::history | Binding::path_history if frame > 0 => {
                             assert_eq!(found.map(|f| f.0), Some(frame - 1), "history is of the frame before");
                         }
                         _ => {}
@@ -411,6 +417,8 @@ mod tests {
                         content.insert(target, (frame, step.pass.stem()));
                         last_reservoirs =
                             if binding == Binding::merged { step.pass.stem() } else { last_reservoirs };
+                        last_paths =
+                            if binding == Binding::merged_paths { step.pass.stem() } else { last_paths };
                     }
                 }
             }
@@ -419,6 +427,8 @@ mod tests {
             assert_eq!(seen(Binding::gbuffer), (frame, surfaces));
             assert_eq!(seen(Binding::reservoirs), (frame, last_reservoirs));
             assert_eq!(content[&next.last_reservoirs()], (frame, last_reservoirs));
+            let last_buffer = Target { resource: Resource::paths, copy: next.history };
+            assert_eq!(content[&last_buffer], (frame, last_paths));
             assert_eq!(content[&next.last_gbuffer()], (frame, surfaces));
             rotation = next;
         }
@@ -473,9 +483,11 @@ mod tests {
             // The reference's mean is that of another history.
             assert!(copy < resource.copies() || binding == Binding::reference, "{binding:?}");
         }
-        for names in
-            [&[Binding::gbuffer, Binding::previous_gbuffer][..], &[Binding::reservoirs, Binding::merged]]
-        {
+        for names in [
+            [Binding::gbuffer, Binding::previous_gbuffer],
+            [Binding::reservoirs, Binding::merged],
+            [Binding::paths, Binding::merged_paths],
+        ] {
             assert_ne!(frame.target(names[0]), frame.target(names[1]));
             assert_eq!(names[0].resource(), names[1].resource());
         }

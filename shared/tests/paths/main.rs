@@ -1,8 +1,10 @@
 //! The truth of light that bounces, the very body of the GPU's pass, against closed forms and quadrature; and errors planted in
-//! it, each of which the same comparison must see.
+//! it, each of which the same comparison must see. [`resampled`]: the same of the passes that resample it, run by [`frames`].
 //!
 //! A test compares means of independent paths: |t| < 4.5 is exceeded by chance in 7e-6 of all choices of seeds, which are fixed.
 
+mod frames;
+mod resampled;
 mod truth;
 mod world;
 
@@ -74,12 +76,11 @@ fn is_seen(what: &str, estimate: Estimate, truth: f64) {
     assert!(t > T_LIMIT, "{what} was not seen: {estimate:?}, truth {truth}, t {t:.2}");
 }
 
-/// Two endless plates that face each other, emit 1 nit and reflect alike.
-fn plates(material: Material) -> World {
-    const HALF: f32 = 500.0;
+/// Two plates that face each other, emit 1 nit and reflect alike; `half` as long as endless ones are, m.
+fn plates(material: Material, half: f32) -> World {
     let mut world = World::default();
     let shining = Material { emission: Vec3::ONE, ..material };
-    let (corner, x, z) = (Vec3::new(-HALF, 0.0, -HALF), Vec3::X * 2.0 * HALF, Vec3::Z * 2.0 * HALF);
+    let (corner, x, z) = (Vec3::new(-half, 0.0, -half), Vec3::X * 2.0 * half, Vec3::Z * 2.0 * half);
     world.square(corner, z, x, shining);
     world.square(corner + Vec3::Y, x, z, shining);
     world.finished()
@@ -124,7 +125,7 @@ fn furnaces_are_closed() {
     let materials =
         [glossy(Vec3::splat(0.7), 0.0, 0.8), glossy(Vec3::splat(0.9), 1.0, 0.7), matt(Vec3::splat(0.8))];
     for material in materials {
-        let world = plates(material);
+        let world = plates(material, 500.0);
         let view = world.view(Vec3::new(0.5, 0.6, 0.6), Vec3::new(0.3, -0.5, 0.4));
         let cos = f64::from(view.surface.normal.dot(view.surface.wo));
         let truth = |bounces| between_plates(&view.surface.reflectance, cos, bounces);

@@ -30,10 +30,10 @@ pub struct World {
     indices: Vec<u32>,
     pub lights: Vec<Light>,
     sky: Vec<EnvironmentTexel>,
-    sky_size: UVec2,
-    first_sky_light: u32,
-    alias: Vec<AliasEntry>,
-    features: u32,
+    pub sky_size: UVec2,
+    pub first_sky_light: u32,
+    pub alias: Vec<AliasEntry>,
+    pub features: u32,
 }
 
 /// Reflects `color` as Lambert has it, and nothing else.
@@ -106,7 +106,7 @@ impl World {
         self
     }
 
-    fn scene(&self) -> Scene<'_> {
+    pub fn scene(&self) -> Scene<'_> {
         Scene {
             features: self.features,
             instances: &self.instances,
@@ -139,13 +139,18 @@ impl World {
         nearest.map_or(HitPayload { key, ..HitPayload::default() }, |(_, hit)| hit)
     }
 
+    /// What the center of `pixel` sees.
+    pub fn texel(&self, camera: &Camera, pixel: UVec2, size: UVec2) -> GBufferTexel {
+        let eye = camera.position;
+        let hit = self.nearest(eye, camera.direction(pixel.as_vec2() + 0.5, size), 1);
+        assert_eq!(hit.hit, 1, "{pixel} sees nothing");
+        self.scene().met(Grid, hit.into()).seen.texel(eye)
+    }
+
     /// What the eye sees along `forward`.
     pub fn view(&self, eye: Vec3, forward: Vec3) -> View<'_> {
         let camera = Camera::new(eye, forward, Vec3::new(0.1, 1.0, 0.2).normalize(), 0.5, UVec2::ONE);
-        let direction = camera.direction(Vec2::splat(0.5), UVec2::ONE);
-        let hit = self.nearest(eye, direction, 1);
-        assert_eq!(hit.hit, 1, "the camera sees nothing");
-        let texel = self.scene().met(Grid, hit.into()).seen.texel(eye);
+        let texel = self.texel(&camera, UVec2::ZERO, UVec2::ONE);
         let surface = texel.unpack(&camera, UVec2::ZERO, UVec2::ONE);
         View { world: self, camera, gbuffer: [texel], surface }
     }
@@ -189,7 +194,8 @@ impl Texels for Grid {
 }
 
 /// The rays of a world.
-struct Rays<'a>(&'a World);
+#[derive(Clone, Copy)]
+pub struct Rays<'a>(pub &'a World);
 
 impl Visibility for Rays<'_> {
     const TRACES: bool = true;

@@ -42,6 +42,9 @@ struct Beyond {
     radiance: Vec3,
 }
 
+/// The path of a pixel.
+///
+/// Equation (36).
 pub fn initial<T: Texels>(
     at: At<'_>,
     mut rays: impl Visibility,
@@ -71,7 +74,7 @@ pub fn initial<T: Texels>(
     let direction = -reflector.surface.wo;
     let density = bsdf::pdf(&first.reflectance, first.normal, first.wo, direction);
     let PdfSolidAngle(density) = density;
-    // Per area of x2; equation (36).
+    // Per area of x2.
     let mut found = safe_ratio(1.0, density * reflector.solid_angle);
     note.reaches(&mut found);
     if found == 0.0 {
