@@ -185,7 +185,7 @@ impl Frame<'_> {
     }
 
     fn initial(&self) -> Vec<StoredPath> {
-        let fresh = self.each(0, |at, note, _| {
+        self.each(0, |at, note, _| {
             let mut path = pass!(indirect_initial(self, at, self.rays(), note;));
             assert_eq!(path.confidence, 1.0);
             let from = at.surface(&at.texel(self.gbuffer)).position;
@@ -194,8 +194,7 @@ impl Frame<'_> {
                 path.confidence = 0.0;
             }
             path
-        });
-        fresh
+        })
     }
 
     fn temporal(&self, before: &[GBufferTexel], fresh: &[StoredPath]) -> Vec<StoredPath> {

@@ -181,6 +181,6 @@ fn survives(beyond: &mut Beyond, note: &mut impl Witness, rng: &mut Rng) -> bool
         return false;
     }
     note.survives(&mut survival);
-    beyond.weight = beyond.weight / survival;
+    beyond.weight /= survival;
     true
 }
