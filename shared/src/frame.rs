@@ -82,6 +82,15 @@ pub mod indirect {
     pub const ONE: u32 = 1;
     /// As often as it is.
     pub const FULL: u32 = 2;
+
+    /// How often at most.
+    pub fn bounces(indirect: u32) -> u32 {
+        match indirect {
+            OFF => 0,
+            ONE => 1,
+            _ => crate::interface::UNBOUNDED,
+        }
+    }
 }
 
 impl Settings {

@@ -11,7 +11,7 @@ use crate::frame::renderer::{FrameOptions, Renderer};
 use crate::frame::schedule::{Primary, Work};
 use crate::gpu_scene::GpuScene;
 use crate::image_io::PictureFormat;
-use crate::measure::sweep::truth::Lighting;
+use crate::measure::sweep::truth::{Lighting, PATHS_A_FRAME};
 use crate::vulkan::Device;
 use clap::Args;
 use shared::interface::UNBOUNDED;
@@ -39,9 +39,6 @@ pub struct ReferenceArgs {
     #[arg(long, value_parser = choice::<Primary>(), default_value = "auto")]
     pub primary: Primary,
 }
-
-/// Short enough that no driver's watchdog bites, many enough to read few pictures back.
-const PATHS_A_FRAME: u32 = 8;
 
 pub fn run(args: &ReferenceArgs) -> Result<()> {
     let format = output::check(&args.picture.output, &args.picture)?;

@@ -6,8 +6,9 @@ use crate::frame::renderer::{FrameOptions, Renderer};
 use crate::frame::schedule::Work;
 use crate::image_io::{self, PictureFormat};
 use crate::measure::mean::Mean;
-use crate::measure::sweep::truth::Lighting;
+use crate::measure::sweep::truth::{Lighting, PATHS_A_FRAME};
 use shared::camera::Camera;
+use shared::frame::indirect;
 use std::path::Path;
 
 /// Checks, before any work is done, that a truth can be written to `path`, the first of a sequence.
@@ -23,7 +24,8 @@ pub fn check(args: &RenderArgs, path: Option<&Path>) -> Result<()> {
     Ok(())
 }
 
-/// Writes the sum over all lights at the points that the last frame of `renderer`, seen from `camera`, shaded. Where lights have an
+/// Writes the sum over all lights at the points that the last frame of `renderer`, seen from `camera`, shaded; with light that bounces
+/// if that frame has it. Where lights have an
 /// extent or something is transparent, the mean of `samples` such sums. The frame after it knows nothing of it.
 pub fn write(
     path: &Path,
@@ -32,13 +34,24 @@ pub fn write(
     camera: Camera,
     options: &FrameOptions,
 ) -> Result<()> {
-    let lighting = Lighting::new(renderer.scene(), options.primary);
+    let bounces = match options.work {
+        Work::Restir(settings) => indirect::bounces(settings.indirect),
+        _ => 0,
+    };
+    let lighting = Lighting { bounces, ..Lighting::new(renderer.scene(), options.primary) };
     let mut mean = Mean::new(renderer.size());
     for sample in 0..if lighting.is_exact() { 1 } else { samples } {
-        let work = Work::Truth { lights: lighting.lights };
         let seed = options.seed.wrapping_add(SEED + sample);
-        renderer.render(camera, &FrameOptions { work, seed, ..*options })?;
-        mean.add(&renderer.radiance()?);
+        let mut frame = |work| {
+            renderer.render(camera, &FrameOptions { work, seed, parts: false, ..*options })?;
+            renderer.radiance()
+        };
+        let mut radiance = frame(Work::Truth { lights: lighting.lights })?;
+        if bounces > 0 {
+            let paths = frame(Work::TruthPaths { bounces, paths: PATHS_A_FRAME })?;
+            radiance.iter_mut().zip(paths).for_each(|(sum, paths)| *sum += paths);
+        }
+        mean.add(&radiance);
     }
     image_io::write_exr(path, renderer.size(), &mean.radiance())
 }

@@ -1,7 +1,7 @@
 //! One pixel of one frame, replayed on the CPU by the bodies of its passes, and compared with what the GPU computed for it.
 //!
 //! Each body runs from the GPU's own input to it, so that differences don't add up from pass to pass. Visibility is
-//! asked of every triangle, in f64. Not replayed: the primary ray's textures and normal maps (the G-buffer is taken as it is).
+//! asked of every triangle, in f64. Not replayed: light that bounces, and the primary ray's textures and normal maps (the G-buffer is taken as it is).
 
 pub mod compare;
 mod heard;
@@ -183,6 +183,7 @@ struct Explainer<'a> {
     emission: Vec3,
     passes: Vec<PassReport>,
     shading: Option<Shading>,
+    indirect: Option<Vec3>,
 }
 
 impl<'a> Explainer<'a> {
@@ -197,6 +198,7 @@ impl<'a> Explainer<'a> {
             emission: Vec3::ZERO,
             passes: Vec::new(),
             shading: None,
+            indirect: None,
         }
     }
 
@@ -227,6 +229,10 @@ impl<'a> Explainer<'a> {
                 }
             }
             Body::shade => self.shading = Some(replay.shading()),
+            Body::indirect_shade => {
+                let index = frame.pixel_index(self.pixel) as usize;
+                self.indirect = Some(self.radiance(history)? - replay.buffers.radiance[index]);
+            }
             _ => {}
         }
         Ok(())
@@ -257,6 +263,7 @@ impl<'a> Explainer<'a> {
             emission: self.emission.to_array(),
             passes: self.passes,
             shading: self.shading,
+            indirect: self.indirect.map(|light| light.to_array()),
             radiance,
         })
     }

@@ -27,6 +27,9 @@ pub struct Explanation {
     pub shading: Option<Shading>,
     /// What the GPU computed for the pixel.
     pub radiance: [f32; 3],
+    /// Of it, light that bounced, nit; it is not replayed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub indirect: Option<[f32; 3]>,
 }
 
 /// The G-buffer's entry of the pixel, unpacked.

@@ -39,6 +39,9 @@ impl Display for Explanation {
         if let Some(shading) = &self.shading {
             write!(f, "\n{shading}")?;
         }
+        if let Some(indirect) = self.indirect {
+            writeln!(f, "\nlight that bounced: {} nit, by paths that are not replayed", vector(indirect))?;
+        }
         writeln!(f, "\nradiance {} nit on the GPU; {}", vector(self.radiance), self.verdict())
     }
 }

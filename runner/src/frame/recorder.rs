@@ -194,6 +194,7 @@ impl Recorder {
             Work::Reference { .. }
             | Work::ReferenceSlice { .. }
             | Work::Truth { .. }
+            | Work::TruthPaths { .. }
             | Work::Paths { .. } => Settings { reservoirs: 0, ..Settings::default() },
         };
         if settings.reservoirs > history.reservoirs() {
@@ -227,7 +228,7 @@ impl Recorder {
         let draws = options.primary.draws(&self.device);
         let features = self.scene.features();
         let rests = history.scene == now && history.previous_camera == Some(camera);
-        let looks_back = matches!(options.work, Work::Truth { .. });
+        let looks_back = matches!(options.work, Work::Truth { .. } | Work::TruthPaths { .. });
         if looks_back && !rests {
             return Err(Error::Internal("there is no frame whose surfaces could be looked at again".into()));
         }

@@ -87,6 +87,8 @@ pub enum Work {
     ReferenceSlice { first: u32, count: u32 },
     /// The sum over this many lights at the very surfaces that the frame before shaded. The frame after it follows that one.
     Truth { lights: u32 },
+    /// Light that bounced to those surfaces, as of [`Work::Paths`].
+    TruthPaths { bounces: u32, paths: u32 },
     /// Light that was reflected on its way to what a pixel sees, up to `bounces` times ([`shared::interface::UNBOUNDED`] for no
     /// end), the mean of `paths` of each pixel. It alone stands in radiance, or in its parts.
     Paths { bounces: u32, paths: u32 },
@@ -123,6 +125,11 @@ pub fn schedule(work: &Work, conditions: Conditions, rotation: Rotation) -> (Vec
             reference(&mut frame, first..first + count);
             resolve(&mut frame);
             // The next slice adds to the same surfaces.
+            return (frame.steps, rotation);
+        }
+        Work::TruthPaths { bounces, paths: count } => {
+            frame.run(Pass::gbuffer_kept);
+            paths(&mut frame, bounces, count);
             return (frame.steps, rotation);
         }
         Work::Truth { lights } => {

@@ -93,6 +93,10 @@ impl<'a> Group<'a> {
             Method::SumOverLights => format!("the mean of {samples} sums over all lights"),
             Method::IndependentFrames => format!("the mean of {samples} independent frames without reuse"),
         };
+        let how = match truth.paths {
+            0 => how,
+            paths => format!("{how}, with {paths} paths a pixel each"),
+        };
         if truth.error == 0.0 {
             return format!("Truth: {how}.");
         }

@@ -12,6 +12,7 @@ use crate::error::{Error, Result};
 use crate::frame::renderer::Renderer;
 use crate::frame::schedule::Primary;
 use crate::gpu_scene::GpuScene;
+use crate::knobs::Indirect;
 use crate::measure::mean::Mean;
 use crate::scene::{self, Illumination, SceneDescription, SceneSource};
 use crate::vulkan::{Device, DeviceOptions};
@@ -20,6 +21,7 @@ use plan::{Plan, PointSpec};
 use point::Measurement;
 use serde::{Deserialize, Serialize};
 use shared::camera::Camera;
+use shared::frame::indirect;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
 use store::Store;
@@ -146,7 +148,11 @@ impl Sweep<'_> {
         let runs = (plan.warm_up, plan.frames, plan.replicas, plan.seed, plan.steady);
         let accumulate = plan.accumulate.as_ref().map(|a| (a.ms, a.frames));
         // A truth that must be better goes on from what there is: only its method makes it another.
-        let truth_key = store::key(&(&place, plan.truth.max_rays, spec.settings.primary))?;
+        let lit = (&place, plan.truth.max_rays, spec.settings.primary);
+        let truth_key = match spec.settings.indirect {
+            Indirect::Off => store::key(&lit)?,
+            bounces => store::key(&(lit, bounces))?,
+        };
         let key = store::key(&(&place, &plan.truth, &spec.settings, runs, accumulate))?;
         if let Some(known) = self.store.point(&key).filter(|_| !plan.times_only) {
             self.progress.advance(point::frames_of(plan));
@@ -222,7 +228,7 @@ impl Sweep<'_> {
         let mut wanted = plan.error;
         loop {
             let settings = &spec.settings;
-            let about = (truth_key, settings.primary);
+            let about = (truth_key, settings.primary, indirect::bounces(settings.indirect.into()));
             let truth = self.truth(renderer, camera, about, wanted)?;
             let mut measured = point::measure(renderer, camera, self.plan, settings, Some(&truth), || {
                 self.progress.advance(1)
@@ -243,7 +249,7 @@ impl Sweep<'_> {
         &self,
         renderer: &mut Renderer,
         camera: Camera,
-        (key, primary): (&str, Primary),
+        (key, primary, bounces): (&str, Primary, u32),
         wanted: f64,
     ) -> Result<Truth> {
         let plan = &self.plan.truth;
@@ -251,7 +257,7 @@ impl Sweep<'_> {
         if let Some(known) = self.store.truth(key).filter(good) {
             return Ok(known);
         }
-        let lighting = Lighting::new(renderer.scene(), primary);
+        let lighting = Lighting { bounces, ..Lighting::new(renderer.scene(), primary) };
         self.progress.enter("reference");
         let size = renderer.size();
         let mut mean = self.store.truth_state(key, size).unwrap_or_else(|| Mean::new(size));

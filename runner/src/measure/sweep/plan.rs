@@ -12,11 +12,12 @@ use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 
 /// The plans that are part of the program.
-pub const BUILT_IN: [(&str, &str); 6] = [
+pub const BUILT_IN: [(&str, &str); 7] = [
     ("bench", include_str!("../../../../assets/plans/bench.toml")),
     ("thesis", include_str!("../../../../assets/plans/thesis.toml")),
     ("lights", include_str!("../../../../assets/plans/lights.toml")),
     ("modes", include_str!("../../../../assets/plans/modes.toml")),
+    ("indirect", include_str!("../../../../assets/plans/indirect.toml")),
     ("town", include_str!("../../../../assets/plans/town.toml")),
     ("smoke", include_str!("../../../../assets/plans/smoke.toml")),
 ];

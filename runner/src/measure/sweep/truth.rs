@@ -33,6 +33,9 @@ pub struct AboutTruth {
     pub method: Method,
     /// Passes or frames.
     pub samples: u32,
+    /// Of light that bounces, a pixel of each of them.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub paths: u32,
     /// √relMSE that the truth itself is expected to have; 0 where it is exact.
     pub error: f64,
     /// It has the most samples that the plan allows, and its error is still above the wanted part of the point's smallest.
@@ -48,6 +51,16 @@ pub enum Method {
     IndependentFrames,
 }
 
+fn is_zero(number: &u32) -> bool {
+    *number == 0
+}
+
+/// Paths of a pixel in one frame: short enough that no driver's watchdog bites, many enough to read few pictures back.
+pub const PATHS_A_FRAME: u32 = 8;
+
+/// Such frames beside one sum over all lights.
+const PATH_FRAMES: u32 = 4;
+
 /// Candidates of a frame that stands in for the sum.
 const CANDIDATES: u32 = 128;
 
@@ -62,18 +75,21 @@ pub struct Lighting {
     pub features: u32,
     /// As in the pictures that are judged: pixels on edges see the same side.
     pub primary: Primary,
+    /// How often light may bounce on its way to what a pixel sees.
+    pub bounces: u32,
 }
 
 impl Lighting {
+    /// Direct light alone.
     pub fn new(scene: &GpuScene, primary: Primary) -> Self {
         let (lights, features) = (scene.light_count(), scene.features());
         let is_there = |kind: &KindFacts| features & light_kind(kind.kind) != 0;
         let points_only = KINDS.iter().filter(|kind| is_there(kind)).all(|kind| !kind.has_extent);
-        Self { lights, points_only, features, primary }
+        Self { lights, points_only, features, primary, bounces: 0 }
     }
 
     pub fn is_exact(&self) -> bool {
-        self.points_only && self.features & features::ALPHA == 0
+        self.points_only && self.features & features::ALPHA == 0 && self.bounces == 0
     }
 }
 
@@ -100,14 +116,23 @@ pub fn converge(
     renderer.restart();
     while error > wanted && mean.count() < most {
         for _ in mean.count()..next_look(mean.count(), error / wanted).min(most) {
-            renderer.render(camera, &FrameOptions::new(work, lighting.primary, seed))?;
-            mean.add(&renderer.radiance()?);
+            let mut frame = |work| {
+                renderer.render(camera, &FrameOptions::new(work, lighting.primary, seed))?;
+                renderer.radiance()
+            };
+            let mut radiance = frame(work)?;
+            for _ in 0..if lighting.bounces > 0 { PATH_FRAMES } else { 0 } {
+                let paths = frame(Work::Paths { bounces: lighting.bounces, paths: PATHS_A_FRAME })?;
+                radiance.iter_mut().zip(paths).for_each(|(sum, paths)| *sum += paths / PATH_FRAMES as f32);
+            }
+            mean.add(&radiance);
             tick();
         }
         error = error_of(mean, exact);
     }
     let method = if by_sum { Method::SumOverLights } else { Method::IndependentFrames };
-    let about = AboutTruth { method, samples: mean.count(), error, ..AboutTruth::default() };
+    let paths = if lighting.bounces > 0 { PATH_FRAMES * PATHS_A_FRAME } else { 0 };
+    let about = AboutTruth { method, samples: mean.count(), paths, error, ..AboutTruth::default() };
     Ok(Truth { size, radiance: mean.radiance(), about })
 }
 
