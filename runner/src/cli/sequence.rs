@@ -40,7 +40,9 @@ pub fn run(args: &RenderArgs, frames: Range<u32>) -> Result<()> {
         return Ok(());
     }
     let knobs = args.knobs.knobs()?;
-    let scene = view::load_scene(&args.scene)?;
+    let mut scene = view::load_scene(&args.scene)?;
+    // What the device has of meshes does not change.
+    scene.bend(Some(args.picture.time.unwrap_or(0.0)));
     view::camera(&scene, &args.picture)?;
     let device = Device::new(&args.device.options())?;
     let gpu_scene = GpuScene::new(&device, &scene)?;

@@ -14,6 +14,8 @@ pub struct Animation {
     pub channels: Vec<Channel>,
     /// What hangs on which node.
     pub attached: Vec<(Thing, usize)>,
+    /// Weights of morph targets: of each mesh that has such a motion, a track a target.
+    pub morphs: Vec<Vec<Track<f64>>>,
 }
 
 /// One node of the hierarchy.
@@ -95,7 +97,8 @@ const SWEEP: u32 = 256;
 impl Animation {
     /// s; 0 where nothing moves.
     pub fn duration(&self) -> f32 {
-        self.channels.iter().filter_map(Channel::end).fold(0.0, f32::max)
+        let morphs = self.morphs.iter().flatten().filter_map(|track| track.times.last().copied());
+        self.channels.iter().filter_map(Channel::end).chain(morphs).fold(0.0, f32::max)
     }
 
     /// Does anything move but cameras? Only then does the device need to know the past.
@@ -110,16 +113,22 @@ impl Animation {
 
     /// Where everything is at `time` (s).
     pub fn pose(&self, time: f64) -> Pose {
+        let worlds = self.worlds(Some(time));
+        Pose { places: self.attached.iter().map(|&(thing, node)| (thing, worlds[node])).collect() }
+    }
+
+    /// Node to world of every node at `time` (s); none: at rest.
+    pub fn worlds(&self, time: Option<f64>) -> Vec<DAffine3> {
         let mut locals: Vec<Local> = self.nodes.iter().map(|node| node.rest).collect();
-        for channel in &self.channels {
-            channel.curve.apply(time, &mut locals[channel.node]);
+        for channel in self.channels.iter().filter(|_| time.is_some()) {
+            channel.curve.apply(time.unwrap_or_default(), &mut locals[channel.node]);
         }
         let mut worlds: Vec<DAffine3> = Vec::with_capacity(locals.len());
         for (node, local) in self.nodes.iter().zip(&locals) {
             let parent = node.parent.map_or(node.base, |parent| worlds[parent]);
             worlds.push(parent * local.affine());
         }
-        Pose { places: self.attached.iter().map(|&(thing, node)| (thing, worlds[node])).collect() }
+        worlds
     }
 
     /// Box around all places that moving instances of `scene` reach, as seen at [`SWEEP`] times; empty where none moves.
@@ -219,6 +228,12 @@ impl Curve {
 pub trait Value: Copy + std::ops::Add<Output = Self> + std::ops::Mul<f64, Output = Self> {
     /// From `a` (t = 0) to `b` (t = 1).
     fn between(a: Self, b: Self, t: f64) -> Self;
+}
+
+impl Value for f64 {
+    fn between(a: Self, b: Self, t: f64) -> Self {
+        a + (b - a) * t
+    }
 }
 
 impl Value for DVec3 {

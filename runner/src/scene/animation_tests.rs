@@ -113,7 +113,12 @@ fn turntable() -> SceneDescription {
             up: Vec3::Y,
             fov_y: 1.0,
         }],
-        animation: Animation { nodes, channels, attached: things.map(|thing| (thing, 2)).to_vec() },
+        animation: Animation {
+            nodes,
+            channels,
+            attached: things.map(|thing| (thing, 2)).to_vec(),
+            morphs: vec![],
+        },
         ..SceneDescription::default()
     }
 }

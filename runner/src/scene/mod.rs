@@ -2,6 +2,7 @@
 
 pub mod animation;
 pub mod camera;
+pub mod deform;
 pub mod emission;
 pub mod environment;
 pub mod export;
@@ -39,6 +40,8 @@ pub struct SceneDescription {
     pub cameras: Vec<SceneCamera>,
     /// What moves; the fields above hold it at rest, or where [`SceneDescription::apply`] put it.
     pub animation: animation::Animation,
+    /// What bends; its meshes hold the shape at rest, or what [`SceneDescription::bend`] made of it.
+    pub deformed: Vec<deform::Deformed>,
     /// One line each: what the file has and the picture will not show, and why.
     pub warnings: Vec<String>,
 }
@@ -68,6 +71,8 @@ pub struct Primitive {
     pub colors: Vec<Vec4>,
     /// Three a triangle, each below the number of positions.
     pub indices: Vec<u32>,
+    /// What bends it, where it is kept as modelled.
+    pub bends: deform::Bends,
 }
 
 /// A mesh in the world.

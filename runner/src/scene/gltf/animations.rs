@@ -15,6 +15,8 @@ use std::collections::{HashMap, HashSet};
 pub struct Motion {
     pub animation: Animation,
     pub of_placed: Vec<Option<usize>>,
+    /// Which of its morphs changes the mesh of a node, by the place of the node.
+    pub morphs: HashMap<usize, usize>,
 }
 
 /// All animations of the file, played together; of two that move the same property of a node, the first.
@@ -27,7 +29,7 @@ pub fn read(
     warnings: &mut Warnings,
 ) -> Motion {
     let place: HashMap<usize, usize> = nodes.iter().enumerate().map(|(i, p)| (p.node.index(), i)).collect();
-    let mut curves = Vec::new();
+    let (mut curves, mut morph_tracks, mut morphs) = (Vec::new(), Vec::new(), HashMap::new());
     let mut taken = HashSet::new();
     for animation in document.animations() {
         let name = label("animation", animation.index(), animation.name());
@@ -35,14 +37,24 @@ pub fn read(
             let target = channel.target();
             let (node, property) = (target.node(), target.property());
             let label = format!("{name}, channel {}", channel.index());
-            if property == Property::MorphTargetWeights {
-                warnings.add("morph targets are not animated", &label);
-                continue;
-            }
             let Some(&placed) = place.get(&node.index()) else {
                 warnings.add("moves a node outside of the scene", &label);
                 continue;
             };
+            if property == Property::MorphTargetWeights {
+                match weights(&channel, buffers, &label, warnings) {
+                    Err(reason) => warnings.add("not played", &format!("{label}: {reason}")),
+                    Ok(tracks) => {
+                        if taken.insert((placed, property as u32)) {
+                            morphs.insert(placed, morph_tracks.len());
+                            morph_tracks.push(tracks);
+                        } else {
+                            warnings.add(TAKEN, &label);
+                        }
+                    }
+                }
+                continue;
+            }
             let curve = if matches!(node.transform(), gltf::scene::Transform::Matrix { .. }) {
                 Err("its node has a matrix; only translation, rotation, scale can move".into())
             } else {
@@ -58,12 +70,15 @@ pub fn read(
             if taken.insert((placed, property as u32)) {
                 curves.push((placed, curve));
             } else {
-                warnings.add("another channel moves the same already, so is not played", &label);
+                warnings.add(TAKEN, &label);
             }
         }
     }
-    motion(nodes, origin, curves)
+    let Motion { animation, of_placed, .. } = motion(nodes, origin, curves);
+    Motion { animation: Animation { morphs: morph_tracks, ..animation }, of_placed, morphs }
 }
+
+const TAKEN: &str = "another channel moves the same already, so is not played";
 
 /// Keeps the nodes that move by themselves or with a parent; the worlds of all others are folded into them.
 fn motion(nodes: &[Placed], origin: DVec3, curves: Vec<(usize, Curve)>) -> Motion {
@@ -83,16 +98,16 @@ fn motion(nodes: &[Placed], origin: DVec3, curves: Vec<(usize, Curve)>) -> Motio
     }
     let channel = |(placed, curve): (usize, Curve)| of_placed[placed].map(|node| Channel { node, curve });
     animation.channels = curves.into_iter().filter_map(channel).collect();
-    Motion { animation, of_placed }
+    Motion { animation, of_placed, morphs: HashMap::new() }
 }
 
-fn curve(
-    channel: &gltf::animation::Channel,
+/// How a sampler interpolates, and its times.
+fn keys(
+    sampler: &gltf::animation::Sampler,
     buffers: &[Vec<u8>],
     label: &str,
     warnings: &mut Warnings,
-) -> Reason<Curve> {
-    let sampler = channel.sampler();
+) -> Reason<(Interpolation, Vec<f32>)> {
     let interpolation = match sampler.interpolation() {
         gltf::animation::Interpolation::Step => Interpolation::Step,
         gltf::animation::Interpolation::Linear => Interpolation::Linear,
@@ -104,6 +119,42 @@ fn curve(
     if check_times(&times)? {
         warnings.add("several keys at one time: the last one counts", label);
     }
+    Ok((interpolation, times))
+}
+
+/// Weights of morph targets: a track for each.
+fn weights(
+    channel: &gltf::animation::Channel,
+    buffers: &[Vec<u8>],
+    label: &str,
+    warnings: &mut Warnings,
+) -> Reason<Vec<Track<f64>>> {
+    let sampler = channel.sampler();
+    let (interpolation, times) = keys(&sampler, buffers, label, warnings)?;
+    let values = accessors::floats(&sampler.output(), &[Dimensions::Scalar], Integers::Normalized, buffers)
+        .map_err(|reason| format!("values: {reason}"))?;
+    let values: Vec<f64> = values.into_iter().map(|[weight]| f64::from(weight)).collect();
+    // Those of all targets at a key stand together.
+    let rows = times.len() * if interpolation == Interpolation::CubicSpline { 3 } else { 1 };
+    let targets = values.len() / rows.max(1);
+    if targets == 0 || targets * rows != values.len() {
+        return Err(format!("{} weights for {} keys", values.len(), times.len()));
+    }
+    let of = |target: usize| {
+        let values = values.iter().skip(target).step_by(targets).copied().collect();
+        track(interpolation, times.clone(), values, |weight: &f64| weight.is_finite())
+    };
+    (0..targets).map(of).collect()
+}
+
+fn curve(
+    channel: &gltf::animation::Channel,
+    buffers: &[Vec<u8>],
+    label: &str,
+    warnings: &mut Warnings,
+) -> Reason<Curve> {
+    let sampler = channel.sampler();
+    let (interpolation, times) = keys(&sampler, buffers, label, warnings)?;
     let vectors = || {
         let values = accessors::floats(&sampler.output(), &[Dimensions::Vec3], Integers::None, buffers)
             .map_err(|reason| format!("values: {reason}"))?;
@@ -130,7 +181,7 @@ fn curve(
             }
             Curve::Rotation(track)
         }
-        Property::MorphTargetWeights => return Err("morph targets are not animated".into()),
+        Property::MorphTargetWeights => return Err("weights move no node".into()),
     })
 }
 

@@ -5,11 +5,15 @@ use super::draco::{self, Decoded};
 use super::warnings::Warnings;
 use super::{Reason, accessors, tangents};
 use crate::scene::Primitive;
+use crate::scene::deform::{Bends, Influences, Target, face_normal};
 use glam::{Vec2, Vec3, Vec4};
 use gltf::accessor::Dimensions;
 use gltf::mesh::{Mode, Semantic};
 use shared::material::UvMap;
 use shared::math::normalize_or;
+
+/// Most vertices times morph targets of a primitive: targets may share their bytes in a file.
+const MAX_DELTAS: usize = 1 << 24;
 
 /// What a material asks of the primitives that wear it.
 #[derive(Clone, Debug)]
@@ -46,9 +50,6 @@ pub fn read(
         warnings.add("points and lines are left out", label);
         return Ok(None);
     }
-    if primitive.morph_targets().len() > 0 {
-        warnings.add("morph targets are not applied", label);
-    }
     let decoded = draco::decode(source.document, primitive, source.buffers)?;
     let attributes = Attributes { primitive, label, source, decoded: decoded.as_ref() };
     let Some(mut mesh) = attributes.read(&wear.uv_sets, warnings)? else {
@@ -70,7 +71,8 @@ pub fn read(
     if dropped > 0 {
         warnings.count("triangles with a vertex that is infinite or no number are left out", label, dropped);
     }
-    let dropped = drop_degenerate(&mut mesh);
+    // Morph targets may unfold them.
+    let dropped = if mesh.bends.targets.is_empty() { drop_degenerate(&mut mesh) } else { 0 };
     if dropped > 0 {
         warnings.count("triangles without an area are left out", label, dropped);
     }
@@ -146,7 +148,60 @@ impl Attributes<'_> {
                 .map_or(Vec4::NAN, |c| c.clamp(Vec4::ZERO, Vec4::ONE))
         };
         mesh.colors = colors.into_iter().map(color).collect();
+        mesh.bends = self.bends(count, warnings);
         Ok(Some(mesh))
+    }
+
+    /// Joints and morph targets; those that are broken are left out, with a warning.
+    fn bends(&self, count: usize, warnings: &mut Warnings) -> Bends {
+        let Attributes { primitive, label, source, .. } = *self;
+        let mut influences = Vec::new();
+        for set in 0..2 {
+            let four = [Dimensions::Vec4];
+            let joints = self.other::<4>(Semantic::Joints(set), &four, Integers::AsDeclared, count, warnings);
+            let weights =
+                self.other::<4>(Semantic::Weights(set), &four, Integers::Normalized, count, warnings);
+            if joints.is_empty() || weights.is_empty() {
+                break;
+            }
+            influences.resize(count, ([0.0; 8], [0.0; 8]));
+            let place = 4 * set as usize..4 * set as usize + 4;
+            for (i, (all_joints, all_weights)) in influences.iter_mut().enumerate() {
+                all_joints[place.clone()].copy_from_slice(&joints[i]);
+                all_weights[place.clone()].copy_from_slice(&weights[i]);
+            }
+        }
+        let influences = influences.into_iter().map(|(joints, weights)| Influences::new(joints, weights));
+        let read = |accessor: Option<gltf::Accessor>, integers| {
+            let Some(accessor) = accessor else { return Ok(vec![]) };
+            let deltas = accessors::floats::<3>(&accessor, &[Dimensions::Vec3], integers, source.buffers)?;
+            let deltas: Vec<Vec3> = deltas.into_iter().map(Vec3::from).collect();
+            match deltas.len() {
+                n if n == count => Ok(deltas),
+                n => Err(format!("{n} elements for {count} vertices")),
+            }
+        };
+        let coordinates = if source.quantized { Integers::AsDeclared } else { Integers::None };
+        let directions = if source.quantized { Integers::Normalized } else { Integers::None };
+        let target = |target: gltf::mesh::MorphTarget| {
+            Reason::Ok(Target {
+                positions: read(target.positions(), coordinates)?,
+                normals: read(target.normals(), directions)?,
+                tangents: read(target.tangents(), directions)?,
+            })
+        };
+        let many = primitive.morph_targets().len().saturating_mul(count) > MAX_DELTAS;
+        if many {
+            warnings.add("too many morph targets, so none is used", label);
+        }
+        let targets = primitive.morph_targets().enumerate().filter(|_| !many).map(|(i, of)| {
+            target(of).unwrap_or_else(|reason| {
+                warnings
+                    .add("a broken morph target changes nothing", &format!("{label}, target {i}: {reason}"));
+                Target::default()
+            })
+        });
+        Bends { targets: targets.collect(), influences: influences.collect(), flat: false }
     }
 
     /// The values of an attribute, see [`accessors::floats`].
@@ -263,14 +318,8 @@ fn flatten(primitive: &mut Primitive) {
     let order = std::mem::take(&mut primitive.indices);
     gather(primitive, &order);
     primitive.indices = (0..order.len() as u32).collect();
-    primitive.normals =
-        primitive.positions.chunks_exact(3).flat_map(|t| [face_normal([t[0], t[1], t[2]]); 3]).collect();
-}
-
-/// Unit normal of the front, counter-clockwise; computed in f64 as small triangles underflow f32.
-fn face_normal(corners: [Vec3; 3]) -> Vec3 {
-    let [a, b, c] = corners.map(Vec3::as_dvec3);
-    (b - a).cross(c - a).try_normalize().map_or(Vec3::Y, |n| n.as_vec3())
+    primitive.bends.flat = true;
+    primitive.face();
 }
 
 /// Drops the vertices that no triangle uses: exporters often let many primitives share one large vertex buffer.
@@ -305,6 +354,7 @@ pub(super) fn gather(primitive: &mut Primitive, order: &[u32]) {
     pick(&mut primitive.uvs, order);
     pick(&mut primitive.second_uvs, order);
     pick(&mut primitive.colors, order);
+    primitive.bends.gather(order);
 }
 
 /// Makes normals unit; one without a direction becomes that of a triangle at its vertex.

@@ -19,6 +19,7 @@ mod nodes;
 mod origin;
 mod schema;
 mod shape;
+mod skins;
 mod tangents;
 #[cfg(test)]
 mod tests;
@@ -26,6 +27,7 @@ mod uri;
 mod warnings;
 
 use super::animation::{Local, Node, Thing};
+use super::deform::Bends;
 use super::lights::{self, MAX_LIGHTS};
 use super::{Bounds, Instance, Mesh, PlacedLight, Primitive, SceneDescription};
 use crate::error::{Error, Result};
@@ -39,6 +41,9 @@ use warnings::Warnings;
 
 /// m; squares of distances and areas are far from the end of f32.
 const MAX_COORDINATE: f32 = 1e15;
+
+/// Most vertices of meshes that bend, each of which is kept twice for every node that shows it.
+const MAX_BENT: usize = 1 << 24;
 
 /// A result inside the loader: its error is the reason alone, [`load`] adds the file.
 type Reason<T> = std::result::Result<T, String>;
@@ -69,6 +74,9 @@ fn scene_of(bytes: &[u8], base: &Path) -> Reason<SceneDescription> {
         materials: Materials::new(&document, images),
         read_meshes: HashMap::new(),
         known_meshes: HashMap::new(),
+        users: HashMap::new(),
+        bent: 0,
+        joints: HashMap::new(),
         scene: SceneDescription::default(),
         warnings,
     };
@@ -78,8 +86,12 @@ fn scene_of(bytes: &[u8], base: &Path) -> Reason<SceneDescription> {
     let origin = loader.scene.origin;
     let motion = animations::read(&document, &nodes, origin, &buffers, &mut loader.warnings);
     loader.scene.animation = motion.animation;
-    for (placed, &moving) in nodes.iter().zip(&motion.of_placed) {
-        loader.add(placed, moving)?;
+    loader.joints = skins::joints(&nodes, &motion.of_placed);
+    for mesh in nodes.iter().filter_map(Placed::mesh) {
+        *loader.users.entry(mesh.index()).or_default() += 1;
+    }
+    for (i, (placed, &moving)) in nodes.iter().zip(&motion.of_placed).enumerate() {
+        loader.add(placed, moving, motion.morphs.get(&i).copied())?;
     }
     loader.finish()
 }
@@ -96,6 +108,11 @@ struct Loader<'b> {
     /// Index in the document -> in the scene, for shared meshes, and the point that their positions are relative to in
     /// object space; `None` for those without triangles.
     known_meshes: HashMap<usize, Option<(usize, DVec3)>>,
+    /// How many nodes show a mesh of the document.
+    users: HashMap<usize, usize>,
+    joints: skins::Joints,
+    /// Vertices of meshes that bend, so far.
+    bent: usize,
     scene: SceneDescription,
     warnings: Warnings,
 }
@@ -122,8 +139,8 @@ impl Loader<'_> {
         Ok(origin)
     }
 
-    /// `moving`: the node of the scene's animation that this one is.
-    fn add(&mut self, placed: &Placed, moving: Option<usize>) -> Reason<()> {
+    /// `moving`: the node of the scene's animation that this one is; `morph`: which of its morphs bends the mesh.
+    fn add(&mut self, placed: &Placed, moving: Option<usize>, morph: Option<usize>) -> Reason<()> {
         if let Some(camera) = placed.camera(self.scene.cameras.len(), &mut self.warnings) {
             self.attach(moving, Thing::Camera(self.scene.cameras.len()));
             self.scene.cameras.push(camera);
@@ -135,11 +152,9 @@ impl Loader<'_> {
         if let Some(light) = placed.add_panel(panels, &mut self.scene, &mut self.warnings) {
             self.attach(moving, light);
         }
-        let Some(mesh) = placed.mesh() else { return Ok(()) };
-        if placed.node.skin().is_some() {
-            self.warnings.add("skins are drawn as modelled", &placed.label);
-        }
-        let Some((mesh, offset)) = self.mesh(&mesh)? else { return Ok(()) };
+        let Some(source) = placed.mesh() else { return Ok(()) };
+        let Some((mesh, offset)) = self.mesh(&source)? else { return Ok(()) };
+        let mesh = self.bend(placed, &source, mesh, offset, morph)?;
         // A skin's joints move its mesh, wherever its node is (glTF 2.0, 3.7.3.3).
         let moving = moving.filter(|_| placed.node.skin().is_none());
         // What moves may grow later.
@@ -156,6 +171,47 @@ impl Loader<'_> {
             self.scene.instances.push(Instance { name, mesh, transform });
         }
         Ok(())
+    }
+
+    /// Notes what bends `mesh` of the scene for the node, and gives the mesh that shows it: itself, or a copy if others show it too.
+    /// Error: too many vertices bend.
+    fn bend(
+        &mut self,
+        placed: &Placed,
+        source: &gltf::Mesh,
+        mesh: usize,
+        offset: DVec3,
+        morph: Option<usize>,
+    ) -> Reason<usize> {
+        let copied = self.users.get(&source.index()).is_some_and(|&users| users > 1);
+        let place = if copied { self.scene.meshes.len() } else { mesh };
+        let rest = &self.scene.meshes[mesh].primitives;
+        Ok(match skins::deformed(placed, place, rest, offset, morph, &self.joints, self.source.buffers) {
+            Ok(None) if placed.node.skin().is_none() => mesh,
+            Ok(None) => {
+                self.warnings.add("a skin without joints and weights stays as modelled", &placed.label);
+                mesh
+            }
+            Err(reason) => {
+                let label = format!("{}: {reason}", placed.label);
+                self.warnings.add("a skin that is broken stays as modelled", &label);
+                mesh
+            }
+            Ok(Some(deformed)) => {
+                self.bent += deformed.rest.iter().map(|primitive| primitive.positions.len()).sum::<usize>();
+                if self.bent > MAX_BENT {
+                    return Err(format!(
+                        "its skinned and morphing meshes have more than {MAX_BENT} vertices"
+                    ));
+                }
+                if copied {
+                    let copy = self.scene.meshes[mesh].clone();
+                    self.scene.meshes.push(copy);
+                }
+                self.scene.deformed.push(deformed);
+                place
+            }
+        })
     }
 
     /// Reads the primitives of all meshes of `nodes`, on all processors; what they lack is said when they are used.
@@ -234,6 +290,13 @@ impl Loader<'_> {
             return Err(format!("no triangles in its scene{hint}"));
         }
         self.scene.materials = self.materials.materials;
+        let primitives = self.scene.meshes.iter_mut().flat_map(|mesh| &mut mesh.primitives);
+        primitives.for_each(|primitive| primitive.bends = Bends::default());
+        self.scene.bend(None);
+        if self.scene.bends() {
+            let text = "skins and morph targets bend in stills (--time T); sequences and the viewer show their first shape";
+            self.warnings.add(text, &format!("{} meshes", self.scene.deformed.len()));
+        }
         let lights = lights::most(&self.scene);
         if lights > MAX_LIGHTS as u64 {
             return Err(format!(

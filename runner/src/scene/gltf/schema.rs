@@ -220,6 +220,7 @@ fn copied(name: &str) -> Option<Need> {
 
 pub const MESH: Shape = Object(&[
     NAME,
+    f("weights", Numbers(0), Loose),
     f(
         "primitives",
         List(&Object(&[
@@ -256,6 +257,7 @@ pub const NODE: Shape = Object(&[
     f("scale", Numbers(3), Firm),
     f("translation", Numbers(3), Firm),
     f("skin", Index(Skin), Loose),
+    f("weights", Numbers(0), Loose),
     EXTRAS,
     f(
         "extensions",

@@ -183,6 +183,7 @@ fn moving() -> SceneDescription {
             nodes: vec![Node { parent: None, base: DAffine3::IDENTITY, rest }],
             channels: vec![Channel { node: 0, curve: Curve::Translation(track) }],
             attached: vec![(Thing::Camera(1), 0)],
+            morphs: vec![],
         },
         ..SceneDescription::default()
     }

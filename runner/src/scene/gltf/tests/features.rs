@@ -357,7 +357,7 @@ fn the_node_of_a_skin_does_not_move_it() {
     file.json["nodes"][0]["translation"] = json!([5, 0, 0]);
     let scene = file.load().unwrap();
     assert_eq!(far_corner(&scene, 0), Vec3::new(1.0, 1.0, 0.0));
-    assert_eq!(scene.warnings, ["skins are drawn as modelled: node 0 'quad'"]);
+    assert_eq!(scene.warnings, ["a skin without joints and weights stays as modelled: node 0 'quad'"]);
 }
 
 #[test]

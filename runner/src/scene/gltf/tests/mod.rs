@@ -1,6 +1,7 @@
 //! Tests of the loader as a whole, on a small file that each of them changes a little.
 
 mod animations;
+mod bends;
 mod draco;
 mod errors;
 mod far;
@@ -12,6 +13,7 @@ mod materials;
 
 use super::*;
 use crate::scene::Primitive;
+use glam::Mat4;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
@@ -63,7 +65,11 @@ impl File {
             5123 => 2,
             _ => 4,
         };
-        let components = if kind == "SCALAR" { 1 } else { kind[3..].parse::<usize>().unwrap() };
+        let components = match kind {
+            "SCALAR" => 1,
+            "MAT4" => 16,
+            _ => kind[3..].parse::<usize>().unwrap(),
+        };
         let view = self.view(bytes);
         let count = bytes.len() / (size * components);
         push(

@@ -39,6 +39,7 @@ pub fn walk(camera: usize) -> Animation {
     Animation {
         nodes: vec![Node { parent: None, base: DAffine3::IDENTITY, rest }],
         attached: vec![(Thing::Camera(camera), 0)],
+        morphs: vec![],
         channels: vec![
             Channel {
                 node: 0,

@@ -93,9 +93,8 @@ impl Shape {
             positions: self.positions,
             normals: self.normals,
             uvs: self.uvs,
-            second_uvs: vec![],
-            colors: Vec::new(),
             indices: self.indices,
+            ..Primitive::default()
         }
     }
 
