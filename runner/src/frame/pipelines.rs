@@ -26,7 +26,6 @@ pub const SHADERS: vk::PipelineStageFlags = vk::PipelineStageFlags::from_raw(
 pub struct Pipelines {
     device: Device,
     scene_layout: SetLayout,
-    frame_layout: SetLayout,
     features: u32,
     made: HashMap<(Pass, u32), PassPipeline>,
 }
@@ -51,7 +50,6 @@ impl Pipelines {
         Ok(Pipelines {
             device: device.clone(),
             scene_layout: scene_layout.clone(),
-            frame_layout: frame_layout(device)?,
             features,
             made: HashMap::new(),
         })
@@ -81,7 +79,8 @@ impl Pipelines {
 
     fn compile(&self, pass: Pass, variant: u32) -> Result<PassPipeline> {
         let past_layout = past::layout(&self.device)?;
-        let all = [&self.scene_layout, &self.frame_layout, &past_layout];
+        let frame_layout = frame_layout(&self.device, pass)?;
+        let all = [&self.scene_layout, &frame_layout, &past_layout];
         let set_layouts = if reads_past(pass) { &all[..] } else { &all[..2] };
         let spec_constants = [(spec_constant::FEATURES, self.features), (spec_constant::VARIANT, variant)];
         let interface = Interface {
@@ -247,12 +246,14 @@ pub fn reads_past(pass: Pass) -> bool {
     pass.uses().iter().any(|(binding, _)| binding.set() == set::PAST)
 }
 
-/// The layout of set 1: constants, then its buffers.
-fn frame_layout(device: &Device) -> Result<SetLayout> {
+/// The layout of set 1 of `pass`: constants, then the buffers that it has there. Of all there are more than a device has to push.
+fn frame_layout(device: &Device, pass: Pass) -> Result<SetLayout> {
     use vk::ShaderStageFlags as Shader;
     let stages = Shader::RAYGEN_KHR | Shader::COMPUTE;
     let readers = stages | Shader::VERTEX | Shader::FRAGMENT;
     let mut bindings = vec![Binding::one(set::CONSTANTS, vk::DescriptorType::UNIFORM_BUFFER, readers)];
-    bindings.extend(Binding::buffers(set::FRAME, stages));
+    let uses = pass.uses().iter().filter(|(binding, _)| binding.set() == set::FRAME);
+    let buffer = |number| Binding::one(number, vk::DescriptorType::STORAGE_BUFFER, stages);
+    bindings.extend(uses.map(|(binding, _)| buffer(binding.number())));
     SetLayout::for_push(device, "frame", &bindings)
 }

@@ -55,7 +55,11 @@ pub struct Views {
 
 impl Views {
     pub fn new(world: &World, size: UVec2, eyes: [Vec3; 2], forward: Vec3) -> Self {
-        let cameras = eyes.map(|eye| Camera::new(eye, forward, Vec3::Y, 0.35, size));
+        Views::turned(world, size, eyes, [forward; 2])
+    }
+
+    pub fn turned(world: &World, size: UVec2, eyes: [Vec3; 2], forward: [Vec3; 2]) -> Self {
+        let cameras = [0, 1].map(|i| Camera::new(eyes[i], forward[i], Vec3::Y, 0.35, size));
         let gbuffer = |camera| pixels(size).map(|pixel| world.texel(camera, pixel, size)).collect();
         Views { size, gbuffers: [gbuffer(&cameras[0]), gbuffer(&cameras[1])], cameras }
     }

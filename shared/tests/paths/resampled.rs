@@ -176,13 +176,10 @@ fn histories_of_another_scene_are_dropped() {
     assert!(t < T_LIMIT && stale > T_LIMIT, "{t} and {stale}");
 }
 
-/// A lit room behind a wall: not one photon.
-#[test]
-fn walls_leak_nothing() {
+/// Two rooms over one floor, under one ceiling, with a wall between them at x = 0; the one at x < 0 is lit.
+fn rooms() -> World {
     let mut world = World::default();
-    let both = |material: Material| Material { flags: flag::DOUBLE_SIDED, ..material };
-    let white = both(matt(Vec3::ONE));
-    // Two rooms over one floor, under one ceiling, a wall between them.
+    let white = Material { flags: flag::DOUBLE_SIDED, ..matt(Vec3::ONE) };
     world.square(Vec3::new(-3.0, 0.0, -3.0), Vec3::Z * 6.0, Vec3::X * 6.0, white);
     world.square(Vec3::new(-3.0, 2.0, -3.0), Vec3::X * 6.0, Vec3::Z * 6.0, white);
     for x in [-3.0, 0.0, 3.0] {
@@ -192,7 +189,13 @@ fn walls_leak_nothing() {
         world.square(Vec3::new(-3.0, 0.0, z), Vec3::X * 6.0, Vec3::Y * 2.0, white);
     }
     world.lights.push(shared::light::Light::point(Vec3::new(-1.0, 1.5, 0.5), Vec3::splat(1000.0)));
-    let world = world.finished();
+    world.finished()
+}
+
+/// A lit room behind a wall: not one photon.
+#[test]
+fn walls_leak_nothing() {
+    let world = rooms();
     let eyes = |x: f32| [Vec3::new(x, 1.0, 1.0), Vec3::new(x * 1.02, 1.0, 1.02)];
     let forward = |x: f32| Vec3::new(-x, -0.3, -1.5);
     let light = |x: f32| {
@@ -202,6 +205,55 @@ fn walls_leak_nothing() {
     };
     assert_eq!(light(1.5), Vec3::ZERO);
     assert!(light(-1.5).min_element() > 0.0);
+}
+
+/// Cameras in the plane of the wall see the floor of both rooms, a pixel of either beside the other: reuse crosses the wall, its
+/// light does not. Rays left out are seen: they let light into the dark, or take it from where it is.
+#[test]
+fn rays_decide_at_a_wall() {
+    let world = rooms();
+    // Turned by a part of a pixel from frame to frame, so that pixels beside the wall have histories on its other side.
+    let eyes = [Vec3::new(0.0, 1.8, 0.5), Vec3::new(0.0, 1.7, 0.4)];
+    let views =
+        Views::turned(&world, SIZE, eyes, [Vec3::new(0.03, -1.0, -0.4), Vec3::new(-0.03, -1.0, -0.3)]);
+    let sums = |settings, frames, plant| {
+        let (mut dark, mut lit) = (0.0, Vec::new());
+        for seed in 1..=RUNS {
+            let mut sequence = Sequence::new(&world, &views, settings, seed, plant);
+            let last = (0..frames).map(|_| sequence.next_frame()).last().expect("a frame");
+            let mut sum = 0.0;
+            for (x, light) in views.surfaces(frames - 1).iter().zip(&last) {
+                let light = f64::from(luminance(*light));
+                if x.position.x > 0.0 { dark += light } else { sum += light }
+            }
+            lit.push([sum; 4]);
+        }
+        (dark, lit)
+    };
+    let [fresh, pairs, _, history, ..] = cases().map(|(_, settings, _)| settings);
+    let mean = |runs: &[[f64; 4]]| runs.iter().map(|run| run[0]).sum::<f64>() / runs.len() as f64;
+    // Pixels in the dark have histories in the light in one of the two views, the others in the other.
+    for (plant, settings, frames) in [
+        (None, pairs, 4),
+        (None, history, 4),
+        (None, history, 5),
+        (Some(Plant::PartnerRay), pairs, 4),
+        (Some(Plant::SurvivorRay), history, 4),
+        (Some(Plant::HistoryRay), history, 5),
+    ] {
+        let (dark, lit) = sums(fresh, frames, None);
+        assert_eq!(dark, 0.0);
+        let exact = [mean(&lit); 4];
+        let error = largest_t(&lit, [0.0; 4], 0.0).recip();
+        let (dark, lit) = sums(settings, frames, plant);
+        let t = largest_t(&lit, exact, error);
+        println!("{plant:?}: {dark} in the dark, {t:.2} standard errors where it is lit");
+        match plant {
+            None => assert!(dark == 0.0 && t < T_LIMIT, "{dark} in the dark, {t}"),
+            Some(Plant::HistoryRay) => assert!(t > T_LIMIT, "{t}"),
+            Some(_) => assert!(dark > 0.0, "{plant:?}"),
+        }
+    }
 }
 
 /// 10,000 frames of all bounces, beside a corner, a smooth metal and a pane: finite, and as bright at the end as at the beginning.
