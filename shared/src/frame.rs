@@ -104,6 +104,12 @@ impl Settings {
         self.pairs != 0 && self.mode == mode::UNBIASED
     }
 
+    /// M: candidates of each reservoir from the light table or from cells, in a frame.
+    pub fn light_candidates(&self) -> u32 {
+        // Those of cells are worth more than twice as much (docs/performance.md).
+        if self.cells != 0 { self.candidates.div_ceil(2) } else { self.candidates }
+    }
+
     /// t of [`crate::resampling::pairwise`] for neighbors. With a history all reservoirs stand for many candidates, but neighbors'
     /// for other targets than the pixel's own: together they count as much as that. Measured in docs/performance.md.
     pub fn neighbor_trust(&self) -> f32 {

@@ -67,8 +67,14 @@ macro_rules! knobs {
             bias "biased mode: grows with it; unbiased: none";
         // 20 as in Bitterli et al. 2020.
         confidence_cap -> confidence_cap: number(1.0..=100.0, 5.0) = 20.0,
-            label "Confidence cap", about "The most that a history weighs", unit "times the light candidates",
+            label "Confidence cap", about "The most that the reservoir of another point weighs: a neighbor's, or that of a history whose point or camera has moved",
+            unit "times the light candidates",
             higher "smoother, slower to follow changes", lower "follows changes at once, noisier",
+            bias "none in the mean; errors of neighboring frames are alike";
+        history_cap -> history_cap: number(1.0..=1000.0, 20.0) = 320.0,
+            label "History cap", about "The most that the history of the same point weighs while camera and scene rest; acts in unbiased mode",
+            unit "times the light candidates",
+            higher "a still picture gets better for longer; what noise is left stands still", lower "noisier, noise changes with each frame",
             bias "none in the mean; errors of neighboring frames are alike";
         reservoirs -> reservoirs: count(1..=4, One) = 1,
             label "Reservoirs", about "Independent reservoirs of each pixel, averaged by shading",

@@ -3,7 +3,7 @@
 
 use super::pair_targets::PairTargets;
 use super::{At, Visibility, Witness};
-use crate::resampling::CrossProposal;
+use crate::resampling::{CrossProposal, confidence};
 use crate::resampling::pairwise::{CrossTargets, Pairwise};
 use crate::reservoir::StoredReservoir;
 use crate::resources::Extent;
@@ -22,7 +22,9 @@ pub fn pair_merge(
     if partner == index {
         return own;
     }
-    let (other, there) = (reservoirs[partner], pair_targets[partner]);
+    let settings = &at.frame.settings;
+    let other = confidence::of_neighbor(settings, reservoirs[partner]);
+    let there = pair_targets[partner];
     let targets = CrossTargets {
         neighbor_at_canonical: here.partner,
         neighbor_at_neighbor: there.own,
@@ -31,10 +33,9 @@ pub fn pair_merge(
     let mut cross = CrossProposal { neighbor: other, targets, ..CrossProposal::default() };
     note.cross(&mut cross);
     let random = at.repeated_rng(Stream::Spatial).next_u32x4();
-    let trust = at.frame.settings.neighbor_trust();
-    let mut merge = Pairwise::new(own, here.own, other.confidence, trust);
+    let mut merge = Pairwise::new(own, here.own, other.confidence, settings.neighbor_trust());
     let weighed = merge.add(other, cross.targets, unit_f32(random.x));
     note.merged(other, cross.targets.neighbor_at_canonical, weighed);
     note.merged_canonical(own, here.own, merge.add_canonical(unit_f32(random.y)));
-    merge.finish()
+    confidence::with_neighbors(settings, own.confidence, merge.finish())
 }

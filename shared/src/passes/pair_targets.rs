@@ -5,7 +5,7 @@ use crate::alias_table::AliasEntry;
 use crate::alpha::SURE_HITS_ONLY;
 use crate::light::Light;
 use crate::resampling::pairs::similar_partner;
-use crate::resampling::{reservoir_index, target_of};
+use crate::resampling::{confidence, reservoir_index, target_of};
 use crate::reservoir::StoredReservoir;
 use crate::shadow::ShadowRay;
 use crate::surface::GBufferTexel;
@@ -36,20 +36,25 @@ pub fn pair_targets(
     let frame = at.frame;
     let index = reservoir_index(frame, at.pixel, at.lane);
     let partner = similar_partner(frame, gbuffer, at.pixel, at.repetition());
-    note.place(partner, true);
     let Some(place) = partner else {
+        note.place(None, false);
         return PairTargets { index, ..PairTargets::default() };
     };
+    let own = reservoirs[index as usize];
+    let others = reservoir_index(frame, place, at.lane);
+    let other = reservoirs[others as usize];
+    let alone = confidence::both_last(&frame.settings, own, other);
+    note.place(partner, !alone);
+    if alone {
+        return PairTargets { index, ..PairTargets::default() };
+    }
     let surface = at.surface(&at.texel(gbuffer));
     let table = at.light_table(lights, alias);
-    let own = reservoirs[index as usize];
-    let index = reservoir_index(frame, place, at.lane);
-    let other = reservoirs[index as usize];
     let incident = table.incident(other.sample, surface.position);
     let holds_one = other.contribution_weight > 0.0;
     let partner = if holds_one { target_function(&surface, &incident) } else { 0.0 };
     // All but the answer stands before the ray: less to keep across it.
-    let targets = PairTargets { own: target_of(&surface, table, own), partner, index };
+    let targets = PairTargets { own: target_of(&surface, table, own), partner, index: others };
     let ray = ShadowRay::new(&surface, &incident);
     // Both hold the same sample, and so both have seen it.
     let is_certain = own.shares_sample_with(other) || partner == 0.0;

@@ -6,7 +6,7 @@ use crate::alias_table::AliasEntry;
 use crate::alpha::SURE_HITS_ONLY;
 use crate::light::Light;
 use crate::resampling::spatial::{OneRayMerge, confidence_of_neighbors, next_neighbor};
-use crate::resampling::{CrossProposal, Pixels, Survivor, UniformMerge, reservoir_index, target_of};
+use crate::resampling::{CrossProposal, Pixels, confidence, Survivor, UniformMerge, reservoir_index, target_of};
 use crate::reservoir::StoredReservoir;
 use crate::rng::Stream;
 use crate::surface::GBufferTexel;
@@ -53,6 +53,7 @@ pub fn spatial<V: Visibility>(
         let (place, [u, v]) = next_neighbor(frame, &surface, gbuffer, pixel, &mut rng, &mut note);
         if let Some(place) = place {
             let neighbor = reservoirs[reservoir_index(frame, place, at.lane) as usize];
+            let neighbor = confidence::of_neighbor(settings, neighbor);
             let texel = gbuffer[frame.pixel_index(place) as usize];
             let there = texel.unpack(&frame.camera, place, frame.size);
             let mut cross = CrossProposal::new(table, &surface, canonical, &there, neighbor);
@@ -66,7 +67,8 @@ pub fn spatial<V: Visibility>(
     let seen = !asks || merge.is_certain() || rays.sees(Question::Neighbor, merge.ray, SURE_HITS_ONLY);
     let mut merge = merge.resolved(seen);
     note.merged_canonical(canonical, target, merge.add_canonical(rng.next_f32()));
-    let survivor = Survivor::merged(&surface, table, canonical, merge.finish());
+    let merged = confidence::with_neighbors(settings, canonical.confidence, merge.finish());
+    let survivor = Survivor::merged(&surface, table, canonical, merged);
     let visible =
         !asks || survivor.is_certain() || rays.sees(Question::Survivor, survivor.ray, SURE_HITS_ONLY);
     survivor.kept(visible)

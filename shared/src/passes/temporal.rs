@@ -9,7 +9,7 @@ use crate::motion::{InstanceMotion, PastLights};
 use crate::points::Aim;
 use crate::resampling::pairwise::Pairwise;
 use crate::resampling::reprojection::{Before, similar_at};
-use crate::resampling::{CrossProposal, Survivor, UniformMerge, moving, reservoir_index, target_of};
+use crate::resampling::{CrossProposal, Survivor, confidence, UniformMerge, moving, reservoir_index, target_of};
 use crate::reservoir::StoredReservoir;
 use crate::resources::Extent;
 use crate::rng::{Stream, unit_f32};
@@ -55,10 +55,11 @@ pub fn temporal<V: Visibility>(
         previous_to_current,
         current_to_previous,
     };
-    let history = history[reservoir_index(frame, pixel, at.lane) as usize]
-        .capped(frame.settings.confidence_cap * current.confidence);
+    let history = history[reservoir_index(frame, pixel, at.lane) as usize];
+    let fresh = current.confidence;
     let random = at.rng(Stream::Temporal).next_u32x4();
     if !at.is(variant::UNBIASED) {
+        let history = confidence::of_history(frame, history, false, fresh);
         let history = if moving { past.carried(table.lights, history) } else { history };
         let mut merge = UniformMerge::default();
         let (at_current, at_history) =
@@ -68,10 +69,12 @@ pub fn temporal<V: Visibility>(
         return merge.finish();
     }
     let there = previous_texel.unpack(&frame.previous_camera, pixel, frame.size);
+    let same_point = !moving && (lasts != 0 || there.is_same_point(&surface));
+    let history = confidence::of_history(frame, history, same_point, fresh);
     let mut cross = if moving {
         moving::cross(table, past, &surface, current, &there, history)
     } else {
-        let same_point = (lasts != 0 || there.is_same_point(&surface)).into();
+        let same_point = same_point.into();
         CrossProposal { same_point, ..CrossProposal::new(table, &surface, current, &there, history) }
     };
     note.cross(&mut cross);

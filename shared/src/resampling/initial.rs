@@ -29,9 +29,7 @@ pub struct Techniques {
 impl Techniques {
     /// In a scene with `features`.
     pub fn new(settings: &Settings, features: u32) -> Self {
-        // Those of cells are worth more than twice as much (docs/performance.md).
-        let lights = if settings.cells != 0 { settings.candidates.div_ceil(2) } else { settings.candidates };
-        Techniques { lights, bsdf: settings.bsdf_candidates(features) }
+        Techniques { lights: settings.light_candidates(), bsdf: settings.bsdf_candidates(features) }
     }
 
     /// p + p_b M_b / M of a sample that the light table draws with density p = `source_pdf`: times M, what all candidates

@@ -1,5 +1,6 @@
 //! What the passes of ReSTIR are made of: of direct light, and of light that bounces.
 
+pub mod confidence;
 pub mod initial;
 pub mod moving;
 pub mod pairs;

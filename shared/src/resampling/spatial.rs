@@ -1,5 +1,6 @@
 //! Merges the reservoirs of neighboring pixels.
 
+use super::confidence::of_neighbor;
 use super::pairwise::{Pairwise, Weighed};
 use super::{CrossProposal, Pixels, is_similar, reservoir_index};
 use crate::frame::{FrameConstants, Settings};
@@ -120,7 +121,8 @@ pub fn confidence_of_neighbors(
     for _ in 0..frame.settings.neighbors {
         if let (Some(place), _) = next_neighbor(frame, surface, pixels.gbuffer, pixel, &mut rng, &mut Silent)
         {
-            sum += pixels.reservoirs[reservoir_index(frame, place, lane) as usize].confidence;
+            let neighbor = pixels.reservoirs[reservoir_index(frame, place, lane) as usize];
+            sum += of_neighbor(&frame.settings, neighbor).confidence;
         }
     }
     sum
