@@ -116,7 +116,7 @@ fn recipes_name_every_place() {
             "accumulate",
             &gpu[..],
             &["shared/src/passes/accumulate.rs", "shared/src/passes/mod.rs", "shared/src/passes/table.rs"][..],
-            &[][..],
+            &["runner/src/frame/renderer.rs"][..],
         ),
         (
             "direct_specular",
@@ -125,10 +125,10 @@ fn recipes_name_every_place() {
             &["runner/src/cli/accumulation.rs", "shared/src/passes/resolve.rs", "shared/src/passes/table.rs"],
         ),
         (
-            "confidence_cap",
+            "history_cap",
             &all,
             &["shared/src/knobs.rs"],
-            &["shared/src/passes/indirect/reuse.rs", "shared/src/passes/temporal.rs"],
+            &["shared/src/frame.rs", "shared/src/resampling/confidence.rs"],
         ),
     ] {
         let mut expected = [written, used].concat();

@@ -81,9 +81,16 @@ fn second_rays_of_reuse_decide_over_reservoirs() {
         let mut renderer = renderer(&device, scene, SIZE, 1);
         let lights = LightTable::new(scene);
         // Few candidates and short histories: survivors come from elsewhere often.
-        let (candidates, radius, confidence_cap) = (1, 10.0, 1.0);
-        let settings =
-            Settings { candidates, pairs: 0, radius, temporal, confidence_cap, ..Settings::default() };
+        let (candidates, radius, cap) = (1, 10.0, 1.0);
+        let settings = Settings {
+            candidates,
+            pairs: 0,
+            radius,
+            temporal,
+            confidence_cap: cap,
+            history_cap: cap,
+            ..Settings::default()
+        };
         let frame = Frame { camera, settings, primary: Primary::Rays };
         let captured = roofline::capture(&mut renderer, &lights, frame).unwrap();
         let passes: Vec<_> = captured.iter().map(|captured| captured.pass).collect();

@@ -7,7 +7,7 @@ use exr::image::{AnyChannel, AnyChannels, Encoding, FlatSamples, Layer};
 use exr::meta::header::LayerAttributes;
 use glam::{UVec2, Vec3};
 use image::{ImageFormat, ImageReader, Rgb, Rgb32FImage, RgbaImage};
-use std::io::{self, Cursor};
+use std::io::Cursor;
 use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
 
@@ -55,25 +55,37 @@ fn check_file(path: &Path) -> Result<()> {
 
 /// Writes display values (RGBA8, red lowest, rows from the top).
 pub fn write_png(path: &Path, size: UVec2, display: &[u32]) -> Result<()> {
+    replace(path, &encode_png(size, display)?)
+}
+
+/// A PNG file of display values.
+pub fn encode_png(size: UVec2, display: &[u32]) -> Result<Vec<u8>> {
     let bytes = bytemuck::cast_slice(display).to_vec();
     let picture = RgbaImage::from_raw(size.x, size.y, bytes)
         .ok_or_else(|| Error::Internal("the picture's size does not match its pixels".into()))?;
     // Opaque: viewers need no alpha.
     let picture = image::DynamicImage::ImageRgba8(picture).into_rgb8();
     let mut encoded = Cursor::new(Vec::new());
-    picture.write_to(&mut encoded, ImageFormat::Png).map_err(|e| Error::write(path)(io::Error::other(e)))?;
-    replace(path, encoded.get_ref())
+    picture.write_to(&mut encoded, ImageFormat::Png).map_err(not_encoded)?;
+    Ok(encoded.into_inner())
+}
+
+fn not_encoded(error: impl std::fmt::Display) -> Error {
+    Error::Internal(format!("can't encode a picture: {error}"))
 }
 
 /// Writes radiance (nit, linear RGB, rows from the top).
 pub fn write_exr(path: &Path, size: UVec2, radiance: &[Vec3]) -> Result<()> {
+    replace(path, &encode_exr(size, radiance)?)
+}
+
+/// An EXR file of radiance.
+pub fn encode_exr(size: UVec2, radiance: &[Vec3]) -> Result<Vec<u8>> {
     let picture =
         Rgb32FImage::from_fn(size.x, size.y, |x, y| Rgb(radiance[(y * size.x + x) as usize].to_array()));
     let mut encoded = Cursor::new(Vec::new());
-    picture
-        .write_to(&mut encoded, ImageFormat::OpenExr)
-        .map_err(|e| Error::write(path)(io::Error::other(e)))?;
-    replace(path, encoded.get_ref())
+    picture.write_to(&mut encoded, ImageFormat::OpenExr).map_err(not_encoded)?;
+    Ok(encoded.into_inner())
 }
 
 /// A number of each pixel, rows from the top: `R`, or `albedo.R` of a layer.
@@ -85,15 +97,15 @@ impl Channel {
     }
 }
 
-/// Writes an EXR file of channels. Who knows no layers finds R, G and B in it.
-pub fn write_channels(path: &Path, size: UVec2, channels: Vec<Channel>) -> Result<()> {
+/// An EXR file of channels. Who knows no layers finds R, G and B in it.
+pub fn encode_channels(size: UVec2, channels: Vec<Channel>) -> Result<Vec<u8>> {
     let channels = AnyChannels::sort(channels.into_iter().map(|channel| channel.0).collect());
     let size = (size.x as usize, size.y as usize);
     let layer = Layer::new(size, LayerAttributes::default(), Encoding::SMALL_LOSSLESS, channels);
     let mut encoded = Cursor::new(Vec::new());
     let written = exr::image::Image::from_layer(layer).write().non_parallel().to_buffered(&mut encoded);
-    written.map_err(|e| Error::write(path)(io::Error::other(e)))?;
-    replace(path, encoded.get_ref())
+    written.map_err(not_encoded)?;
+    Ok(encoded.into_inner())
 }
 
 /// Reads an EXR file back: size and radiance.
@@ -140,6 +152,6 @@ pub fn jpeg(size: UVec2, color: impl Fn(u32, u32) -> Vec3) -> Result<Vec<u8>> {
     let mut encoded = Vec::new();
     image::codecs::jpeg::JpegEncoder::new_with_quality(&mut encoded, 90)
         .encode_image(&picture)
-        .map_err(|e| Error::Internal(format!("can't encode a picture: {e}")))?;
+        .map_err(not_encoded)?;
     Ok(encoded)
 }

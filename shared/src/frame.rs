@@ -104,6 +104,11 @@ impl Settings {
         self.pairs != 0 && self.mode == mode::UNBIASED
     }
 
+    /// For frames whose mean is taken. They had better differ: a history counts no more than another point's.
+    pub fn for_a_mean(self) -> Self {
+        Settings { history_cap: self.history_cap.min(self.confidence_cap), ..self }
+    }
+
     /// M: candidates of each reservoir from the light table or from cells, in a frame.
     pub fn light_candidates(&self) -> u32 {
         // Those of cells are worth more than twice as much (docs/performance.md).

@@ -79,7 +79,7 @@ macro_rules! knobs {
         reservoirs -> reservoirs: count(1..=4, One) = 1,
             label "Reservoirs", about "Independent reservoirs of each pixel, averaged by shading",
             higher "less noise; time and memory grow with it", lower "faster", bias "none";
-        pixel_centers -> pixel_centers: switch() = true,
+        pixel_centers -> pixel_centers: switch() = false,
             label "Pixel centers", about "Shade what lies behind the centers of pixels, also while the camera moves",
             higher "points jump with each movement: noise of a moving picture", lower "points of surfaces last: a moving picture is as good as a still one",
             bias "none";

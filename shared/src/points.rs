@@ -2,7 +2,7 @@
 //!
 //! How a frame whose camera or things have moved finds its points:
 //! 1. `scatter`: each point of the previous frame, on its triangle as that lies now, falls into a pixel; the nearest stays ([`Caught`]).
-//! 2. `aim`: a pixel that caught a point aims at its exact place in the pixel ([`Aim`]). One that caught none borrows the nearest
+//! 2. `land` and `aim`: a pixel that caught a point aims at its exact place in the pixel ([`Aim`]). One that caught none borrows the nearest
 //!    one that a neighbor caught, within a pixel of its own center; there two pixels shade one point for a while. Where there is none,
 //!    or when it is the pixel's turn (once in 16 frames), it aims at a new point, at the place that a neighbor's catch has in its own
 //!    pixel: neighbors stay a regular grid, which moves pixel to pixel, one to one.

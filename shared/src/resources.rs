@@ -58,6 +58,7 @@ macro_rules! resources {
             (1    path_targets         (PairTargets)       0      Pixels      { path_targets = 35 })
             (1    indirect_diffuse     (Vec3)              1      Pixels      { indirect_diffuse = 36 })
             (1    indirect_specular    (Vec3)              1      Pixels      { indirect_specular = 37 })
+            (1    landings             (u32)               1      Pixels      { landings = 38 })
             (2    previous_lights      (Light)             1      Scene       { previous_lights = 1 })
             (2    motions              (InstanceMotion)    1      Scene       { motions = 2 })
             (2    previous_to_current  (u32)               1      Scene       { previous_to_current = 3 })

@@ -2,7 +2,7 @@
 
 use crate::error::Result;
 use crate::frame::renderer::Renderer;
-use crate::image_io::{self, Channel};
+use crate::image_io::{self, Channel, PictureFormat};
 use crate::measure::mean::Mean;
 use glam::{UVec2, Vec3};
 use shared::camera::Camera;
@@ -10,7 +10,7 @@ use shared::math::luminance;
 use shared::math::unpack_place;
 use shared::resources::Resource;
 use shared::surface::GBufferTexel;
-use std::path::Path;
+use shared::tonemap;
 
 /// Depth where a pixel sees nothing that could be lit, m; the number that Blender writes.
 pub const NOTHING: f32 = 1e10;
@@ -113,11 +113,11 @@ impl Accumulation {
         if luminance > 0.0 { error / luminance } else { 0.0 }
     }
 
-    /// Writes an .exr; its layers are the parts, and what the last frame of `renderer` saw from `camera`.
-    pub fn write_exr(&self, path: &Path, renderer: &Renderer, camera: Camera) -> Result<()> {
+    /// The picture, with layers where they are asked for: the parts, and what the last frame of `renderer` saw from `camera`.
+    pub fn content(&self, renderer: &Renderer, camera: Camera) -> Result<Content> {
         let (size, radiance) = (renderer.size(), self.radiance());
         let Some(Layers { emission, direct, indirect }) = &self.layers else {
-            return image_io::write_exr(path, size, &radiance);
+            return Ok(Content::new(size, radiance));
         };
         let (mut diffuse, mut specular) = (direct.diffuse.radiance(), direct.specular.radiance());
         let mut bounced = Vec::new();
@@ -138,7 +138,6 @@ impl Accumulation {
         };
         let depth = Channel::new("depth.Z", gbuffer.iter().enumerate().map(depth).collect());
         let layers = [
-            ("", "RGB", radiance),
             ("diffuse.", "RGB", diffuse),
             ("specular.", "RGB", specular),
             ("emission.", "RGB", emission.radiance()),
@@ -146,12 +145,62 @@ impl Accumulation {
             ("f0.", "RGB", seen(GBufferTexel::f0)),
             ("normal.", "XYZ", seen(GBufferTexel::normal)),
         ];
-        let channels = layers.iter().chain(&bounced).flat_map(|(layer, names, content)| {
-            let channel = move |(i, name)| {
-                Channel::new(&format!("{layer}{name}"), content.iter().map(|value| value[i]).collect())
-            };
-            names.chars().enumerate().map(channel)
-        });
-        image_io::write_channels(path, size, channels.chain([depth]).collect())
+        let layers = layers.iter().chain(&bounced);
+        let channels = layers.flat_map(|(layer, names, content)| channels(layer, names, content));
+        Ok(Content { size, radiance, layers: channels.chain([depth]).collect() })
+    }
+}
+
+/// A number of each pixel for each of `names`, of a layer.
+fn channels(layer: &str, names: &str, content: &[Vec3]) -> impl Iterator<Item = Channel> {
+    let channel = |(i, name)| {
+        Channel::new(&format!("{layer}{name}"), content.iter().map(|value: &Vec3| value[i]).collect())
+    };
+    names.chars().enumerate().map(channel).collect::<Vec<_>>().into_iter()
+}
+
+/// What will be a picture's file.
+pub struct Content {
+    size: UVec2,
+    /// nit
+    radiance: Vec<Vec3>,
+    layers: Vec<Channel>,
+}
+
+impl Content {
+    /// Without layers.
+    pub fn new(size: UVec2, radiance: Vec<Vec3>) -> Self {
+        Content { size, radiance, layers: Vec::new() }
+    }
+
+    /// What the last frame of `renderer` saw from `camera`. `layers`: it was rendered in parts.
+    pub fn of_frame(renderer: &Renderer, camera: Camera, layers: bool) -> Result<Self> {
+        if !layers {
+            return Ok(Content::new(renderer.size(), renderer.radiance()?));
+        }
+        let mut frame = Accumulation::new(renderer.size(), layers);
+        frame.add(renderer)?;
+        frame.content(renderer, camera)
+    }
+
+    /// Rows from the top, nit.
+    pub fn radiance(&self) -> &[Vec3] {
+        &self.radiance
+    }
+
+    /// The file. `exposure`: factor to display values, where the format has such.
+    pub fn encode(self, format: PictureFormat, exposure: f32) -> Result<Vec<u8>> {
+        match format {
+            PictureFormat::Exr if self.layers.is_empty() => image_io::encode_exr(self.size, &self.radiance),
+            PictureFormat::Exr => {
+                let picture = channels("", "RGB", &self.radiance);
+                image_io::encode_channels(self.size, picture.chain(self.layers).collect())
+            }
+            PictureFormat::Png => {
+                let pixel = |&radiance: &Vec3| tonemap::pack_rgba8(tonemap::display(radiance, exposure));
+                let display: Vec<u32> = self.radiance.iter().map(pixel).collect();
+                image_io::encode_png(self.size, &display)
+            }
+        }
     }
 }

@@ -20,6 +20,7 @@ mod sweep;
 mod truth;
 mod view;
 mod window;
+mod writer;
 
 use crate::error::Result;
 use crate::startup;

@@ -3,7 +3,6 @@
 use super::accumulation::Accumulation;
 use super::args::values::bounces;
 use super::args::{DeviceArgs, PictureArgs, SceneArgs, choice};
-use super::output::Picture;
 use super::progress::Steps;
 use super::{output, view};
 use crate::error::Result;
@@ -76,8 +75,8 @@ pub fn run(args: &ReferenceArgs) -> Result<()> {
     }
     progress.end();
     let traced = start.elapsed() - summed;
-    let picture = Picture { frames: &accumulation, renderer: &renderer, camera, format };
-    picture.write(&args.picture, metered)?;
+    let content = accumulation.content(&renderer, camera)?;
+    output::write(content, format, &args.picture, metered)?;
     let seconds = |time: Duration| format!("{:.1} s", time.as_secs_f64());
     println!("{}: {lights} lights, {samples} samples each, {}", device.info().name, seconds(summed));
     let paths = path_frames * paths_a_frame;

@@ -1,9 +1,8 @@
 //! `candela render`: frames of ReSTIR, the last one or their mean as a picture.
 
-use super::accumulation::Accumulation;
+use super::accumulation::{Accumulation, Content};
 use super::args::values::positive;
 use super::args::{DeviceArgs, KnobArgs, PictureArgs, SceneArgs};
-use super::output::Picture;
 use super::progress::Steps;
 use super::{output, sequence, truth, view};
 use crate::error::Result;
@@ -15,6 +14,7 @@ use crate::measure::times::PassTimes;
 use crate::startup;
 use crate::vulkan::Device;
 use clap::Args;
+use shared::resources::Resource;
 use std::ops::Range;
 use std::path::PathBuf;
 
@@ -79,7 +79,10 @@ fn still(args: &RenderArgs, frames: u32) -> Result<()> {
     let camera = view::camera(&scene, &args.picture)?;
     let device = Device::new(&args.device.options())?;
     let gpu_scene = GpuScene::new(&device, &scene)?;
-    let settings = knobs.settings(gpu_scene.lights());
+    let mut settings = knobs.settings(gpu_scene.lights());
+    if args.accumulate {
+        settings = settings.for_a_mean();
+    }
     let size = args.picture.size;
     let mut renderer = Renderer::new(&device, gpu_scene, size, settings.reservoirs)?;
     if args.accumulate && device.info().is_processor() && (settings.temporal | settings.spatial) != 0 {
@@ -96,21 +99,28 @@ fn still(args: &RenderArgs, frames: u32) -> Result<()> {
     };
     let mut progress = Steps::new(frames.into(), "rendering");
     let mut times = PassTimes::default();
-    let mut accumulation = Accumulation::new(size, options.parts);
+    let mut layers = (args.accumulate && options.parts).then(|| Accumulation::new(size, true));
     for frame in 1..=frames {
-        times.add(renderer.render(camera, &options)?);
+        times.add(match layers {
+            None if args.accumulate => renderer.render_into_mean(camera, &options, frame)?,
+            _ => renderer.render(camera, &options)?,
+        });
         if frame == 1 {
             startup::reached("first frame, from start");
         }
-        if args.accumulate || frame == frames {
-            accumulation.add(&renderer)?;
+        if let Some(layers) = &mut layers {
+            layers.add(&renderer)?;
         }
         progress.step();
     }
     progress.end();
 
-    let picture = Picture { frames: &accumulation, renderer: &renderer, camera, format };
-    picture.write(&args.picture, metered)?;
+    let content = match layers {
+        Some(layers) => layers.content(&renderer, camera)?,
+        None if args.accumulate => Content::new(size, renderer.read(Resource::mean)?),
+        None => Content::of_frame(&renderer, camera, options.parts)?,
+    };
+    output::write(content, format, &args.picture, metered)?;
     if let Some(path) = &args.truth {
         truth::write(path, args.truth_samples, &mut renderer, camera, &options)?;
         println!("wrote {}", path.display());

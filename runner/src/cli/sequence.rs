@@ -1,10 +1,10 @@
 //! `candela render --frames A..B`: pictures of a sequence, one a frame. Those that exist are skipped, so that jobs can share a
 //! sequence and resume it.
 
-use super::accumulation::Accumulation;
-use super::output::Picture;
+use super::accumulation::Content;
 use super::progress::Steps;
 use super::render::RenderArgs;
+use super::writer::Writer;
 use super::{output, truth, view};
 use crate::error::{Error, Result};
 use crate::exposure;
@@ -56,23 +56,23 @@ pub fn run(args: &RenderArgs, frames: Range<u32>) -> Result<()> {
         PictureFormat::Exr => 1.0,
         PictureFormat::Png => film.exposure()?,
     };
+    let mut writer = Writer::new();
     for (frame, path) in &missing {
         let camera = film.picture(*frame)?;
-        let mut frames = Accumulation::new(args.picture.size, options.parts);
-        frames.add(&film.renderer)?;
-        let picture = Picture { frames: &frames, renderer: &film.renderer, camera, format };
-        picture.write_exposed(path, exposure)?;
+        let content = Content::of_frame(&film.renderer, camera, options.parts)?;
+        writer.push(path.clone(), move || content.encode(format, exposure))?;
         if let Some(path) = truths {
             let path = numbered(path, *frame)?;
             truth::write(&path, args.truth_samples, &mut film.renderer, camera, &options)?;
         }
         progress.step();
     }
+    writer.finish()?;
     progress.end();
     let (first, last) = (&missing[0].1, &missing[missing.len() - 1].1);
     println!("wrote {} pictures, {} to {}", missing.len(), first.display(), last.display());
     println!("{}: {} lights", device.info().name, film.renderer.scene().light_count());
-    println!("{}", film.times.summary());
+    println!("{}; the clock of a GPU falls while pictures are read back", film.times.summary());
     output::check_validation(&device)
 }
 

@@ -13,6 +13,8 @@ use crate::vulkan::{Device, Timestamps};
 use bytemuck::Pod;
 use glam::{UVec2, Vec3};
 use shared::camera::Camera;
+use shared::interface::PassConstants;
+use shared::passes::Pass;
 use shared::resources::Resource;
 use shared::surface::GBufferTexel;
 
@@ -86,6 +88,23 @@ impl Renderer {
     pub fn render(&mut self, camera: Camera, options: &FrameOptions) -> Result<Option<StepTimes>> {
         let Renderer { device, recorder, history, timestamps } = self;
         device.submit_once("frame", |cmd| recorder.record(cmd, history, camera, options, timestamps))?;
+        self.timestamps.read()
+    }
+
+    /// The same, and adds the frame to [`Resource::mean`]: it is number `count`, from 1 on.
+    pub fn render_into_mean(
+        &mut self,
+        camera: Camera,
+        options: &FrameOptions,
+        count: u32,
+    ) -> Result<Option<StepTimes>> {
+        let Renderer { device, recorder, history, timestamps } = self;
+        history.make_mean(device)?;
+        let constants = PassConstants { count, ..PassConstants::default() };
+        device.submit_once("frame", |cmd| {
+            recorder.record(cmd, history, camera, options, timestamps)?;
+            recorder.record_looks(cmd, history, None, &[(Pass::accumulate, constants)], timestamps)
+        })?;
         self.timestamps.read()
     }
 

@@ -155,6 +155,7 @@ fn surfaces(frame: &mut Frame) {
         (Points::Returning, _) => variant::RESTS,
     };
     frame.run(Pass::scatter);
+    frame.run(Pass::land);
     frame.run_variant(Pass::aim, rests);
     frame.run(Pass::gbuffer_aimed);
 }

@@ -43,7 +43,7 @@ pub use observe::observe;
 pub use pair_merge::pair_merge;
 pub use pair_targets::pair_targets;
 pub use paths::{paths, paths_parts};
-pub use points::{aim, scatter};
+pub use points::{aim, land, scatter};
 pub use presample::presample;
 pub use reference::{reference, reference_parts};
 pub use resolve::{resolve, resolve_indirect};

@@ -3,8 +3,8 @@
 
 use super::pair_targets::PairTargets;
 use super::{At, Visibility, Witness};
-use crate::resampling::{CrossProposal, confidence};
 use crate::resampling::pairwise::{CrossTargets, Pairwise};
+use crate::resampling::{CrossProposal, confidence};
 use crate::reservoir::StoredReservoir;
 use crate::resources::Extent;
 use crate::rng::{Stream, unit_f32};

@@ -4,7 +4,7 @@ use super::{At, variant};
 use crate::counters::Counters;
 use crate::frame::FrameConstants;
 use crate::geometry::InstanceGeometry;
-use crate::math::CENTER;
+use crate::math::{CENTER, pack_place, unpack_place};
 use crate::points::{Aim, Caught, ScenePoint, Triangles};
 use crate::resources::Extent;
 use crate::rng::hash;
@@ -35,49 +35,58 @@ pub fn scatter(
     }
 }
 
-/// Where a pixel's ray goes.
-pub fn aim(
+/// Where in its pixel the point lies that a pixel caught, packed by [`crate::math::pack_place`]: once, for all who ask.
+pub fn land(
     at: At<'_>,
     instances: &[InstanceGeometry],
     positions: &[Vec3],
     indices: &[u32],
     previous_points: &[ScenePoint],
     caught: &[u32],
-) -> Aim {
+) -> u32 {
+    let triangles = Triangles { instances, positions, indices };
+    if let Some(source) = Caught(caught[at.index(Extent::Pixels)]).source(at.frame.pixels())
+        && let Some(shown) = triangles.shown(at.frame, &previous_points[source as usize])
+    {
+        shown.place_in(at.pixel)
+    } else {
+        CENTER
+    }
+}
+
+/// Where a pixel's ray goes.
+pub fn aim(at: At<'_>, previous_points: &[ScenePoint], caught: &[u32], landings: &[u32]) -> Aim {
     let frame = at.frame;
     let has_turn = has_turn(frame, at.pixel);
     if has_turn && at.is(variant::RESTS) {
         return Aim::anew(CENTER);
     }
-    let triangles = Triangles { instances, positions, indices };
-    let center = at.pixel.as_vec2() + 0.5;
+    let own = at.index(Extent::Pixels);
+    if let Some(source) = Caught(caught[own]).source(frame.pixels()) {
+        return Aim::at_point(landings[own], source);
+    }
     let mut distance = BORROWED;
     let mut nearest = Aim::anew(CENTER);
     let mut lattice = Aim::anew(CENTER);
     let mut found = 0;
-    let mut i = 0;
+    let mut i = 1;
     while i < (2 * REACH + 1) * (2 * REACH + 1) {
         let offset = IVec2::new(alternating(i % (2 * REACH + 1)), alternating(i / (2 * REACH + 1)));
         let pixel = at.pixel.as_ivec2() + offset;
         let inside = pixel.cmpge(IVec2::ZERO).all() && pixel.cmplt(frame.size.as_ivec2()).all();
         // What is two pixels away is too far to be borrowed.
         if inside && (found == 0 || offset.abs().max_element() < 2) {
-            let pixel = pixel.as_uvec2();
-            let caught = Caught(caught[frame.pixel_index(pixel) as usize]);
-            if let Some(source) = caught.source(frame.pixels())
-                && let Some(shown) = triangles.shown(frame, &previous_points[source as usize])
-            {
-                if i == 0 {
-                    return Aim::at_point(shown.place_in(pixel), source);
-                }
+            let index = frame.pixel_index(pixel.as_uvec2()) as usize;
+            if let Some(source) = Caught(caught[index]).source(frame.pixels()) {
                 if found == 0 {
-                    lattice = Aim::anew(shown.place_in(pixel));
+                    lattice = Aim::anew(landings[index]);
                 }
                 found += 1;
-                let far = (shown.at - center).abs().max_element();
+                let place = unpack_place(landings[index]) + offset.as_vec2();
+                let far = (place - 0.5).abs().max_element();
                 if far < distance {
                     distance = far;
-                    nearest = Aim::at_point(shown.place_in(at.pixel), source);
+                    nearest = Aim::at_point(pack_place(place), source);
                 }
             }
         }

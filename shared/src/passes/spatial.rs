@@ -6,7 +6,9 @@ use crate::alias_table::AliasEntry;
 use crate::alpha::SURE_HITS_ONLY;
 use crate::light::Light;
 use crate::resampling::spatial::{OneRayMerge, confidence_of_neighbors, next_neighbor};
-use crate::resampling::{CrossProposal, Pixels, confidence, Survivor, UniformMerge, reservoir_index, target_of};
+use crate::resampling::{
+    CrossProposal, Pixels, Survivor, UniformMerge, confidence, reservoir_index, target_of,
+};
 use crate::reservoir::StoredReservoir;
 use crate::rng::Stream;
 use crate::surface::GBufferTexel;

@@ -27,8 +27,10 @@ macro_rules! passes {
                 [instances positions attributes indices materials second_uvs environment textures visibility] [] [gbuffer radiance points])
             (scatter Pixels { compute() scatter }
                 [instances positions indices previous_points] [] [] [caught])
+            (land Pixels { compute() land }
+                [instances positions indices previous_points caught] [] [landings])
             (aim Pixels { compute() aim }
-                [instances positions indices previous_points caught] [] [aims])
+                [previous_points caught landings] [] [aims])
             (gbuffer_aimed Pixels { primary() gbuffer_aimed }
                 [instances positions attributes indices materials second_uvs environment textures previous_points]
                 [aims caught] [gbuffer radiance points])

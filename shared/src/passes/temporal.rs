@@ -9,7 +9,9 @@ use crate::motion::{InstanceMotion, PastLights};
 use crate::points::Aim;
 use crate::resampling::pairwise::Pairwise;
 use crate::resampling::reprojection::{Before, similar_at};
-use crate::resampling::{CrossProposal, Survivor, confidence, UniformMerge, moving, reservoir_index, target_of};
+use crate::resampling::{
+    CrossProposal, Survivor, UniformMerge, confidence, moving, reservoir_index, target_of,
+};
 use crate::reservoir::StoredReservoir;
 use crate::resources::Extent;
 use crate::rng::{Stream, unit_f32};

@@ -121,9 +121,9 @@ fn walk(pan: f32, walk: f32, moves: bool, plant: Option<Plant>) -> Walked {
                     Counters::new(&mut caught),
                 );
             }
-            aims = pixels()
-                .map(|pixel| passes::aim(at(pixel), instances, positions, indices, &points, &caught))
-                .collect();
+            let land = |pixel| passes::land(at(pixel), instances, positions, indices, &points, &caught);
+            let landings: Vec<u32> = pixels().map(land).collect();
+            aims = pixels().map(|pixel| passes::aim(at(pixel), &points, &caught, &landings)).collect();
         }
         let mut next = Vec::new();
         for (i, pixel) in pixels().enumerate() {

@@ -62,7 +62,13 @@ mod tests {
     }
 
     fn settings() -> Settings {
-        Settings { candidates: 10, confidence_cap: 20.0, history_cap: 100.0, temporal: 1, ..Settings::default() }
+        Settings {
+            candidates: 10,
+            confidence_cap: 20.0,
+            history_cap: 100.0,
+            temporal: 1,
+            ..Settings::default()
+        }
     }
 
     #[test]
@@ -90,7 +96,8 @@ mod tests {
         }
         assert_eq!(ages[..6], [2.0, 6.0, 14.0, 21.0, 22.0, 23.0]);
         assert_eq!(ages[199], 101.0);
-        let alone = ages.iter().position(|&age| both_last(&settings, counting(10.0 * age), counting(10.0 * age)));
+        let alone =
+            ages.iter().position(|&age| both_last(&settings, counting(10.0 * age), counting(10.0 * age)));
         assert_eq!(alone.map(|i| ages[i]), Some(51.0));
         assert!(!both_last(&settings, counting(1e6), counting(20.0)), "the younger one gains");
     }

@@ -43,7 +43,7 @@ pub fn reuse_cases() -> Vec<Case> {
     let both = Settings { temporal: 1, tiles: 1, reservoirs: 2, ..spatial };
     vec![
         ("+ temporal", temporal, 4),
-        ("+ temporal, cap 1", Settings { confidence_cap: 1.0, ..temporal }, 4),
+        ("+ temporal, cap 1", Settings { confidence_cap: 1.0, history_cap: 1.0, ..temporal }, 4),
         ("+ spatial, 3 x 1", spatial, 1),
         ("+ spatial, 2 x 2", Settings { spatial_iterations: 2, neighbors: 2, ..spatial }, 1),
         ("+ tiles, temporal and spatial, 2 reservoirs", both, 3),
@@ -60,6 +60,19 @@ pub fn pair_cases() -> Vec<Case> {
         ("+ pairs, 2 times", pairs, 1),
         ("+ tiles, temporal and pairs, 2 reservoirs", both, 3),
         ("the same without visibility reuse", Settings { visibility_reuse: 0, ..both }, 3),
+    ]
+}
+
+/// Histories that go on while the camera rests, longer than neighbors count, and pairs of which both are long.
+pub fn lasting_cases() -> Vec<Case> {
+    let caps = Settings { confidence_cap: 1.0, history_cap: 6.0, ..base() };
+    let temporal = Settings { mode: mode::UNBIASED, temporal: 1, visibility_reuse: 1, ..caps };
+    let spatial = Settings { spatial: 1, spatial_iterations: 1, ..temporal };
+    vec![
+        ("+ temporal, rests", temporal, 8),
+        ("+ spatial, rests", spatial, 5),
+        ("+ pairs, rest", Settings { pairs: 1, ..spatial }, 4),
+        ("+ pairs, both long", Settings { pairs: 1, ..spatial }, 9),
     ]
 }
 
@@ -98,6 +111,8 @@ fn matrix(Kind { everywhere, somewhere }: Kind) {
     check(&hidden, in_mode(mode::UNBIASED, reuse_cases()));
     check(&hidden, pair_cases());
     check(&hidden, cell_cases());
+    let rests = hidden.eyes[0];
+    check(&World { eyes: [rests; 2], ..hidden.clone() }, lasting_cases());
     check(&World::new(everywhere), in_mode(mode::BIASED, reuse_cases()));
 }
 

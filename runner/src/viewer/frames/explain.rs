@@ -29,7 +29,7 @@ impl Frames {
             return Err(Error::Usage("this pixel shows the reference, which resamples nothing".into()));
         }
         let side = usize::from(right && state.split == Split::Settings);
-        let options = self.options(&state.settings[side], self.exposure(state));
+        let options = self.options_of(state, side, self.exposure(state));
         Ok(Question { pixel, camera: camera(state, self.size()), options, right: side == 1 })
     }
 

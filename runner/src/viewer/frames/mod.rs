@@ -181,6 +181,17 @@ impl Frames {
         FrameOptions { exposure, ..FrameOptions::new(work, primary, 0) }
     }
 
+    /// A frame of one side of the window.
+    fn options_of(&self, state: &State, side: usize, exposure: f32) -> FrameOptions {
+        let options = self.options(&state.settings[side], exposure);
+        match options.work {
+            Work::Restir(settings) if state.accumulate => {
+                FrameOptions { work: Work::Restir(settings.for_a_mean()), ..options }
+            }
+            _ => options,
+        }
+    }
+
     /// The next frame shows the scene as it is at `time`, s; none: as it is.
     pub fn pose(&mut self, time: Option<f64>) {
         let Some(time) = time.filter(|&time| self.posed != Some(time)) else { return };
@@ -306,7 +317,7 @@ impl Frames {
         self.move_scene()?;
         let exposure = self.exposure(state);
         let budget = reference_rays(self.device.info().kind);
-        let [first, second] = [0, 1].map(|side| self.options(&state.settings[side], exposure));
+        let [first, second] = [0, 1].map(|side| self.options_of(state, side, exposure));
 
         let Frames { device, recorder, left, right, reference, slots, radius, .. } = self;
         let slot = &mut slots[slot];
