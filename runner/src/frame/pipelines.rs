@@ -78,8 +78,7 @@ impl Pipelines {
     }
 
     fn compile(&self, pass: Pass, variant: u32) -> Result<PassPipeline> {
-        let past_layout = past::layout(&self.device)?;
-        let frame_layout = frame_layout(&self.device, pass)?;
+        let (frame_layout, past_layout) = (frame_layout(&self.device, pass)?, past::layout(&self.device)?);
         let all = [&self.scene_layout, &frame_layout, &past_layout];
         let set_layouts = if reads_past(pass) { &all[..] } else { &all[..2] };
         let spec_constants = [(spec_constant::FEATURES, self.features), (spec_constant::VARIANT, variant)];
@@ -246,14 +245,14 @@ pub fn reads_past(pass: Pass) -> bool {
     pass.uses().iter().any(|(binding, _)| binding.set() == set::PAST)
 }
 
-/// The layout of set 1 of `pass`: constants, then the buffers that it has there. Of all there are more than a device has to push.
+/// The layout of set 1 for `pass`: constants, and the buffers that it uses. Devices push 32 descriptors at most, and all passes
+/// together have more buffers.
 fn frame_layout(device: &Device, pass: Pass) -> Result<SetLayout> {
     use vk::ShaderStageFlags as Shader;
     let stages = Shader::RAYGEN_KHR | Shader::COMPUTE;
     let readers = stages | Shader::VERTEX | Shader::FRAGMENT;
     let mut bindings = vec![Binding::one(set::CONSTANTS, vk::DescriptorType::UNIFORM_BUFFER, readers)];
-    let uses = pass.uses().iter().filter(|(binding, _)| binding.set() == set::FRAME);
-    let buffer = |number| Binding::one(number, vk::DescriptorType::STORAGE_BUFFER, stages);
-    bindings.extend(uses.map(|(binding, _)| buffer(binding.number())));
+    let buffers = pass.uses().iter().filter(|(buffer, _)| buffer.set() == set::FRAME);
+    bindings.extend(buffers.map(|(buffer, _)| Binding::buffer(*buffer, stages)));
     SetLayout::for_push(device, "frame", &bindings)
 }

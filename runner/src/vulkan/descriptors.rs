@@ -28,7 +28,12 @@ impl Binding {
     /// The storage buffers that the table of resources has in `set`.
     pub fn buffers(set: u32, stages: vk::ShaderStageFlags) -> impl Iterator<Item = Binding> {
         let places = shared::resources::Binding::ALL.iter().filter(move |binding| binding.set() == set);
-        places.map(move |place| Binding::one(place.number(), vk::DescriptorType::STORAGE_BUFFER, stages))
+        places.map(move |&place| Binding::buffer(place, stages))
+    }
+
+    /// One of them.
+    pub fn buffer(place: shared::resources::Binding, stages: vk::ShaderStageFlags) -> Binding {
+        Binding::one(place.number(), vk::DescriptorType::STORAGE_BUFFER, stages)
     }
 
     /// Sampled images of up to `count` textures; only the last binding of a set can be one.
