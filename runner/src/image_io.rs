@@ -7,6 +7,7 @@ use exr::image::{AnyChannel, AnyChannels, Encoding, FlatSamples, Layer};
 use exr::meta::header::LayerAttributes;
 use glam::{UVec2, Vec3};
 use image::{ImageFormat, ImageReader, Rgb, Rgb32FImage, RgbaImage};
+use shared::tonemap;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
@@ -56,6 +57,17 @@ fn check_file(path: &Path) -> Result<()> {
 /// Writes display values (RGBA8, red lowest, rows from the top).
 pub fn write_png(path: &Path, size: UVec2, display: &[u32]) -> Result<()> {
     replace(path, &encode_png(size, display)?)
+}
+
+/// Writes radiance (nit, linear RGB, rows from the top) as a display shows it. `exposure`: factor to display values.
+pub fn write_tone_mapped(path: &Path, size: UVec2, radiance: &[Vec3], exposure: f32) -> Result<()> {
+    replace(path, &encode_tone_mapped(size, radiance, exposure)?)
+}
+
+/// A PNG file of radiance as a display shows it.
+pub fn encode_tone_mapped(size: UVec2, radiance: &[Vec3], exposure: f32) -> Result<Vec<u8>> {
+    let pixel = |&radiance: &Vec3| tonemap::pack_rgba8(tonemap::display(radiance, exposure));
+    encode_png(size, &radiance.iter().map(pixel).collect::<Vec<u32>>())
 }
 
 /// A PNG file of display values.

@@ -10,7 +10,6 @@ use shared::math::luminance;
 use shared::math::unpack_place;
 use shared::resources::Resource;
 use shared::surface::GBufferTexel;
-use shared::tonemap;
 
 /// Depth where a pixel sees nothing that could be lit, m; the number that Blender writes.
 pub const NOTHING: f32 = 1e10;
@@ -196,11 +195,7 @@ impl Content {
                 let picture = channels("", "RGB", &self.radiance);
                 image_io::encode_channels(self.size, picture.chain(self.layers).collect())
             }
-            PictureFormat::Png => {
-                let pixel = |&radiance: &Vec3| tonemap::pack_rgba8(tonemap::display(radiance, exposure));
-                let display: Vec<u32> = self.radiance.iter().map(pixel).collect();
-                image_io::encode_png(self.size, &display)
-            }
+            PictureFormat::Png => image_io::encode_tone_mapped(self.size, &self.radiance, exposure),
         }
     }
 }
