@@ -18,7 +18,8 @@ fn brightness(name: &str, input: &str) -> f64 {
     if tests::gpu::device().is_none() {
         return f64::NAN;
     }
-    let file: PathBuf = std::env::temp_dir().join(format!("candela-example-{}-{name}.png", std::process::id()));
+    let file: PathBuf =
+        std::env::temp_dir().join(format!("candela-example-{}-{name}.png", std::process::id()));
     run(name, &[input, file.to_str().unwrap()]);
     let picture = image::open(&file).unwrap().into_luma8();
     std::fs::remove_file(file).unwrap();

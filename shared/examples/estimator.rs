@@ -41,7 +41,8 @@ fn main() {
     println!("sum over 1,000 lights: {sum:.4} nit");
     println!("one sample each, {RUNS} runs:   mean     standard deviation / mean");
 
-    let estimate = |reservoir| f64::from(luminance(contribution::<Vec3, _>(&here, table, reservoir).radiance));
+    let estimate =
+        |reservoir| f64::from(luminance(contribution::<Vec3, _>(&here, table, reservoir).radiance));
     for m in [1, 4, 32, 256] {
         let runs = (0..RUNS).map(|run| estimate(ris(&here, table, m, run, 0)));
         report(&format!("RIS, M = {m}"), runs.collect());
