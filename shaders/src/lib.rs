@@ -17,6 +17,7 @@ use shared::counters::Counters;
 use shared::frame::FrameConstants;
 use shared::glam::UVec3;
 use shared::interface::{HitPayload, PassConstants, ShadowPayload};
+use shared::passes::points::listed;
 use shared::passes::{Assumed, At, Silent};
 use shared::resources::Extent;
 use shared::resources::element::*;
@@ -78,11 +79,11 @@ macro_rules! entry_rules {
 /// The entry point of a pass; what comes before its buffers hangs on how it runs.
 macro_rules! written {
     (($body:ident $stem:ident $extent:ident compute) $params:tt $args:tt $stores:tt) => {
-        function! { (compute(threads(32, 4, 1))) (global_invocation_id) id features []
+        function! { (compute(threads(32, 4, 1))) (global_invocation_id) id features [id] []
             $stem $extent $body [] $params $args $stores }
     };
     (($body:ident $stem:ident $extent:ident known) $params:tt $args:tt $stores:tt) => {
-        function! { (compute(threads(32, 4, 1))) (global_invocation_id) id features []
+        function! { (compute(threads(32, 4, 1))) (global_invocation_id) id features [id] []
             $stem $extent $body [Assumed, Silent,] $params $args $stores }
     };
     (($body:ident $stem:ident $extent:ident known scene) $params:tt $args:tt $stores:tt) => {
@@ -92,29 +93,36 @@ macro_rules! written {
         written! { ($body $stem $extent traced shadow) $params $args $stores }
     };
     (($body:ident $stem:ident $extent:ident primary) $params:tt $args:tt $stores:tt) => {
-        function! { (ray_generation) (launch_id) id features
+        function! { (ray_generation) (launch_id) id features [id]
             [#[spirv(descriptor_set = 0, binding = 0)] tlas: &AccelerationStructure,
             #[spirv(ray_payload)] payload: &mut HitPayload,]
             $stem $extent $body [Eye { tlas, payload },] $params $args $stores }
     };
     (($body:ident $stem:ident $extent:ident traced shadow) $params:tt $args:tt $stores:tt) => {
-        function! { (ray_generation) (launch_id) id features
+        function! { (ray_generation) (launch_id) id features [id]
             [#[spirv(descriptor_set = 0, binding = 0)] tlas: &AccelerationStructure,
             #[spirv(ray_payload)] payload: &mut ShadowPayload,]
             $stem $extent $body [Traced { features, tlas, payload }, Silent,] $params $args $stores }
     };
     (($body:ident $stem:ident $extent:ident traced shadow nearest) $params:tt $args:tt $stores:tt) => {
-        function! { (ray_generation) (launch_id) id features
+        function! { (ray_generation) (launch_id) id features [id]
             [#[spirv(descriptor_set = 0, binding = 0)] tlas: &AccelerationStructure,
             #[spirv(ray_payload)] payload: &mut ShadowPayload,
             #[spirv(ray_payload)] nearest: &mut HitPayload,]
             $stem $extent $body [Nearest { features, tlas, payload, nearest }, Silent,] $params $args $stores }
     };
+    (($body:ident $stem:ident $extent:ident listed shadow) $params:tt [(read $list:ident) $($args:tt)*] $stores:tt) => {
+        function! { (ray_generation) (launch_id) id features [listed($list, id, size)]
+            [#[spirv(descriptor_set = 0, binding = 0)] tlas: &AccelerationStructure,
+            #[spirv(ray_payload)] payload: &mut ShadowPayload,
+            #[spirv(launch_size)] size: UVec3,]
+            $stem $extent $body [Traced { features, tlas, payload }, Silent,] $params [$($args)*] $stores }
+    };
     (($body:ident $stem:ident $extent:ident bounced) $params:tt $args:tt $stores:tt) => {
         written! { ($body $stem $extent traced shadow nearest) $params $args $stores }
     };
     (($body:ident $stem:ident $extent:ident traced shadow previous) $params:tt $args:tt $stores:tt) => {
-        function! { (ray_generation) (launch_id) id features
+        function! { (ray_generation) (launch_id) id features [id]
             [#[spirv(descriptor_set = 0, binding = 0)] tlas: &AccelerationStructure,
             #[spirv(descriptor_set = 2, binding = 0)] previous_tlas: &AccelerationStructure,
             #[spirv(ray_payload)] payload: &mut ShadowPayload,]
@@ -123,7 +131,7 @@ macro_rules! written {
 }
 
 macro_rules! function {
-    (($($stage:tt)*) ($launch:ident) $id:ident $features:ident [$($start:tt)*] $stem:ident $extent:ident $body:ident
+    (($($stage:tt)*) ($launch:ident) $id:ident $features:ident [$thread:expr] [$($start:tt)*] $stem:ident $extent:ident $body:ident
         [$($context:expr,)*] [$($params:tt)*] [$(($access:ident $arg:ident))*] $stores:tt) => {
         #[spirv($($stage)*)]
         pub fn $stem(
@@ -135,7 +143,7 @@ macro_rules! function {
             $($start)*
             $($params)*
         ) {
-            let at = At::new(frame, *constants, $features, variant, $id);
+            let at = At::new(frame, *constants, $features, variant, $thread);
             if at.pixel.cmpge(at.threads(Extent::$extent)).any() {
                 return;
             }

@@ -3,12 +3,14 @@
 use crate::textures::Bound;
 use crate::trace::Eye;
 use shared::alpha;
+use shared::counters::Counters;
 use shared::environment::EnvironmentTexel;
 use shared::geometry::{InstanceGeometry, VertexAttributes};
 use shared::glam::{UVec2, Vec2, Vec3};
 use shared::material::Material;
 use shared::math::{CENTER, unpack_place};
 use shared::passes::At;
+use shared::passes::points::pack_pixel;
 use shared::points::{Aim, ScenePoint};
 use shared::raster;
 use shared::resources::Extent;
@@ -78,8 +80,8 @@ sees! {
 }
 
 sees! {
-    /// What each pixel sees where it aims; with what became of its aim, and no catch.
-    gbuffer_aimed(eye: Eye<'_>; previous_points: &[ScenePoint], aim: Aim, _caught: u32)
+    /// What each pixel sees where it aims; with what became of its aim, and no catch. New points are listed.
+    gbuffer_aimed(eye: Eye<'_>; previous_points: &[ScenePoint], aim: Aim, _caught: u32, hops: Counters<'_>)
         -> (Aim, u32, GBufferTexel, Vec3, ScenePoint) |at, scene, textures|
     {
         let direction = direction(at, aim.place);
@@ -90,6 +92,10 @@ sees! {
             Some(source) => previous_points[source as usize],
             None => hit,
         };
+        let mut hops = hops;
+        if aim.source().is_none() && !hit.is_none() {
+            hops.append(pack_pixel(at.pixel));
+        }
         let (texel, radiance) = scene.seen(textures, at.frame, direction, hit);
         (aim, 0, texel.seen_through(aim.place), radiance, point)
     }

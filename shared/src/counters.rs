@@ -1,4 +1,5 @@
-//! Words that many threads of a pass count in: sums and greatest values, which do not depend on the order of the threads.
+//! Words that many threads of a pass count in: sums and greatest values, which do not depend on the order of the threads, and lists,
+//! whose order nothing may depend on.
 
 /// A buffer of such words.
 pub struct Counters<'a>(&'a mut [u32]);
@@ -20,6 +21,24 @@ impl<'a> Counters<'a> {
         unsafe {
             spirv_std::arch::atomic_i_add::<u32, DEVICE, RELAXED>(word, value);
         }
+    }
+
+    /// Word 0 += 1, and the word of that number = value: a list, in the order in which threads come.
+    pub fn append(&mut self, value: u32) {
+        #[cfg(not(target_arch = "spirv"))]
+        let before = {
+            self.0[0] += 1;
+            self.0[0] - 1
+        };
+        // SAFETY: as above.
+        #[cfg(target_arch = "spirv")]
+        let before = unsafe { spirv_std::arch::atomic_i_add::<u32, DEVICE, RELAXED>(&mut self.0[0], 1) };
+        self.0[1 + before as usize] = value;
+    }
+
+    /// The list is empty. For one thread of a pass in which nobody appends.
+    pub fn clear(&mut self) {
+        self.0[0] = 0;
     }
 
     /// word = max(word, value), cheap where it is already.

@@ -59,6 +59,7 @@ macro_rules! resources {
             (1    indirect_diffuse     (Vec3)              1      Pixels      { indirect_diffuse = 36 })
             (1    indirect_specular    (Vec3)              1      Pixels      { indirect_specular = 37 })
             (1    landings             (u32)               1      Pixels      { landings = 38 })
+            (1    hops                 (u32)               1      List        { hops = 39 })
             (2    previous_lights      (Light)             1      Scene       { previous_lights = 1 })
             (2    motions              (InstanceMotion)    1      Scene       { motions = 2 })
             (2    previous_to_current  (u32)               1      Scene       { previous_to_current = 3 })
@@ -125,6 +126,8 @@ pub enum Extent {
     Beliefs,
     /// One for each sample of each cell's pool.
     Pools,
+    /// A number, and that many of the pixels.
+    List,
     /// One for each block of [`crate::statistics::BLOCK`] x BLOCK pixels.
     Blocks,
 }

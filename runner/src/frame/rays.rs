@@ -26,7 +26,7 @@ fn of_step(step: &Step, settings: &Settings, features: u32) -> u64 {
             u64::from(settings.bsdf_candidates(features)) + u64::from(settings.visibility_reuse != 0)
         }
         // The sample of the one in the place of the other, and the survivor; not asked where visibility is left to shading.
-        Body::temporal | Body::spatial => 2 * known,
+        Body::temporal | Body::temporal_hops | Body::spatial => 2 * known,
         // The partner's sample.
         Body::pair_targets => known,
         // To what reflects light, and from each of its points on and to a light.

@@ -176,9 +176,17 @@ fn restir_di(frame: &mut Frame, settings: &Settings) {
     if settings.temporal != 0 {
         // At rest all visibility is known; nobody asks where it is left to shading.
         let known = !moved && (still || !settings.visibility_is_known());
-        let pass = if unbiased && !known { Pass::temporal_traced } else { Pass::temporal };
-        let moving = if moved { variant::MOVING } else { 0 };
-        frame.run_variant(pass, weights | lasting(frame.conditions) | moving);
+        let lasting = lasting(frame.conditions);
+        let bits = weights | lasting | if moved { variant::MOVING } else { 0 };
+        match (unbiased && !known, lasting != 0 && !moved) {
+            (false, _) => frame.run_variant(Pass::temporal, bits),
+            (true, false) => frame.run_variant(Pass::temporal_traced, bits),
+            // Few pixels ask, here and there: threads that trace rays stand side by side.
+            (true, true) => {
+                frame.run_variant(Pass::temporal, bits);
+                frame.run_variant(Pass::temporal_hops, bits);
+            }
+        }
     }
     for iteration in 0..settings.spatial * settings.spatial_iterations {
         frame.exchange(iteration);

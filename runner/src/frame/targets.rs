@@ -76,7 +76,11 @@ impl Targets {
     fn elements(&self, extent: Extent) -> u64 {
         let threads = threads(extent, self.size);
         let all = u64::from(threads.x) * u64::from(threads.y);
-        if extent == Extent::Reservoirs { all * u64::from(self.reservoirs) } else { all }
+        match extent {
+            Extent::Reservoirs => all * u64::from(self.reservoirs),
+            Extent::List => 1 + all,
+            _ => all,
+        }
     }
 
     /// What the graphics pipeline draws into, once there is room for it.

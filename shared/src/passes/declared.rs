@@ -59,6 +59,9 @@ macro_rules! stage {
     (bounced) => {
         Stage::RayTracing(Rays::Bounces)
     };
+    (listed shadow) => {
+        Stage::RayTracing(Rays::Shadow)
+    };
     (traced shadow nearest) => {
         Stage::RayTracing(Rays::Both)
     };

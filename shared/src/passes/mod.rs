@@ -51,7 +51,7 @@ pub use roofline::{roofline_copy, roofline_shadow};
 pub use shade::{shade, shade_parts};
 pub use spatial::spatial;
 pub use statistics::statistics;
-pub use temporal::temporal;
+pub use temporal::{temporal, temporal as temporal_hops};
 pub use tonemap::tonemap;
 pub use view::view;
 pub use visibility::{Assumed, Question, Visibility};
@@ -205,7 +205,7 @@ impl<'a> At<'a> {
 /// Threads in x and y of a pass over `extent` in a picture of `size`.
 pub fn threads(extent: Extent, size: UVec2) -> UVec2 {
     match extent {
-        Extent::Scene | Extent::Pixels | Extent::Reservoirs => size,
+        Extent::Scene | Extent::Pixels | Extent::Reservoirs | Extent::List => size,
         Extent::Tiles => UVec2::new(TILE_SIZE, TILES),
         Extent::Cells => UVec2::new(ROW, world_cells::most(size) / ROW),
         Extent::Lists => UVec2::new(LIST, world_cells::most(size)),

@@ -8,7 +8,7 @@ use crate::math::{CENTER, pack_place, unpack_place};
 use crate::points::{Aim, Caught, ScenePoint, Triangles};
 use crate::resources::Extent;
 use crate::rng::hash;
-use glam::{IVec2, UVec2, UVec4, Vec2, Vec3};
+use glam::{IVec2, UVec2, UVec3, UVec4, Vec2, Vec3};
 
 /// A pixel without a catch looks for others' so many pixels away.
 const REACH: u32 = 2;
@@ -35,7 +35,8 @@ pub fn scatter(
     }
 }
 
-/// Where in its pixel the point lies that a pixel caught, packed by [`crate::math::pack_place`]: once, for all who ask.
+/// Where in its pixel the point lies that a pixel caught, packed by [`crate::math::pack_place`]: once, for all who ask. And nobody has a
+/// new point yet.
 pub fn land(
     at: At<'_>,
     instances: &[InstanceGeometry],
@@ -43,7 +44,11 @@ pub fn land(
     indices: &[u32],
     previous_points: &[ScenePoint],
     caught: &[u32],
+    mut hops: Counters<'_>,
 ) -> u32 {
+    if at.pixel == UVec2::ZERO {
+        hops.clear();
+    }
     let triangles = Triangles { instances, positions, indices };
     if let Some(source) = Caught(caught[at.index(Extent::Pixels)]).source(at.frame.pixels())
         && let Some(shown) = triangles.shown(at.frame, &previous_points[source as usize])
@@ -99,6 +104,21 @@ pub fn aim(at: At<'_>, previous_points: &[ScenePoint], caught: &[u32], landings:
     } else {
         lattice
     }
+}
+
+/// A pixel, as `hops` lists it.
+pub fn pack_pixel(pixel: UVec2) -> u32 {
+    pixel.x | pixel.y << 16
+}
+
+/// The thread that stands at `id` of a launch over `size`: for the pixel that `list` has there, or for none.
+pub fn listed(list: &[u32], id: UVec3, size: UVec3) -> UVec3 {
+    let i = id.y * size.x + id.x;
+    if i >= list[0] {
+        return UVec3::splat(u32::MAX);
+    }
+    let pixel = list[1 + i as usize];
+    UVec3::new(pixel & 0xffff, pixel >> 16, id.z)
 }
 
 /// Did the previous frame see nothing where this pixel looks, very far away? What has no points borrows none: outlines before the

@@ -12,6 +12,7 @@
 /// | `known` | that, and no ray: [`crate::passes::Assumed`] answers |
 /// | `traced(..)` | that, and the hardware, by shadow rays; `nearest`: also by BSDF rays, `previous`: also in the previous frame |
 /// | `known(scene)`, `traced(scene shadow)` | the same; the body reads textures, so only the device runs it |
+/// | `listed(..)` | as `traced(..)`, for the pixels that its first buffer lists; the body does not get that |
 /// | `bounced` | that, and the hardware, by shadow rays and rays that ask what they meet, whatever it is |
 /// | `primary` | that, and the hardware, by rays from the eye |
 /// | `drawn` | none: vertex and fragment shaders of their own |
@@ -28,12 +29,12 @@ macro_rules! passes {
             (scatter Pixels { compute() scatter }
                 [instances positions indices previous_points] [] [] [caught])
             (land Pixels { compute() land }
-                [instances positions indices previous_points caught] [] [landings])
+                [instances positions indices previous_points caught] [] [landings] [hops])
             (aim Pixels { compute() aim }
                 [previous_points caught landings] [] [aims])
             (gbuffer_aimed Pixels { primary() gbuffer_aimed }
                 [instances positions attributes indices materials second_uvs environment textures previous_points]
-                [aims caught] [gbuffer radiance points])
+                [aims caught] [gbuffer radiance points] [hops])
             (gbuffer_kept Pixels { compute() gbuffer_kept }
                 [instances positions attributes indices materials second_uvs environment textures previous_gbuffer previous_points]
                 [] [gbuffer radiance points])
@@ -56,6 +57,8 @@ macro_rules! passes {
                 [lights tree_leaves gbuffer merged] [] [] [observations findings])
             (temporal Reservoirs { known() temporal, traced(shadow previous) temporal_traced }
                 [lights alias gbuffer previous_gbuffer history aims previous_lights motions previous_to_current current_to_previous] [merged] [])
+            (temporal_hops Reservoirs { listed(shadow) temporal_hops }
+                [hops lights alias gbuffer previous_gbuffer history aims previous_lights motions previous_to_current current_to_previous] [merged] [])
             (spatial Reservoirs { known() spatial, traced(shadow) spatial_traced }
                 [lights alias gbuffer reservoirs] [] [merged])
             (pair_targets Reservoirs { traced(shadow) pair_targets }

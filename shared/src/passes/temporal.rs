@@ -50,6 +50,11 @@ pub fn temporal<V: Visibility>(
     else {
         return current;
     };
+    // Points that are kept know what they see; the others are listed, and ask.
+    let split = at.is(variant::LASTING) && at.is(variant::UNBIASED) && frame.settings.visibility_is_known();
+    if split && !V::TRACES && lasts == 0 {
+        return current;
+    }
     let previous_texel = previous_gbuffer[frame.pixel_index(pixel) as usize];
     let table = at.light_table(lights, alias);
     let past = PastLights {

@@ -121,7 +121,11 @@ fn walk(pan: f32, walk: f32, moves: bool, plant: Option<Plant>) -> Walked {
                     Counters::new(&mut caught),
                 );
             }
-            let land = |pixel| passes::land(at(pixel), instances, positions, indices, &points, &caught);
+            let mut hops = vec![0; 1];
+            let land = |pixel| {
+                let hops = Counters::new(&mut hops);
+                passes::land(at(pixel), instances, positions, indices, &points, &caught, hops)
+            };
             let landings: Vec<u32> = pixels().map(land).collect();
             aims = pixels().map(|pixel| passes::aim(at(pixel), &points, &caught, &landings)).collect();
         }
