@@ -8,8 +8,8 @@
 //!    pixel: neighbors stay a regular grid, which moves pixel to pixel, one to one.
 //! 3. `gbuffer_aimed`: the primary ray goes through that place. It meets the point's triangle: the point is confirmed. It meets
 //!    another: something hides the point, or it was never there, and the pixel has a new one.
-//! 4. `temporal`: a confirmed point goes on with its reservoir. Nothing has moved: what it saw, it sees. A new point takes over the
-//!    reservoir of the pixel that it was in, as a point through a pixel's center does.
+//! 4. `temporal`: a confirmed point goes on with its reservoir. Nothing has moved: what it saw, it sees. `temporal_hops`: a new point,
+//!    listed by `gbuffer_aimed`, takes over the reservoir of the pixel that it was in, as a point through a pixel's center does.
 //!
 //! At rest points return to the centers of their pixels, each when it is its pixel's turn: after 16 frames a still picture is what
 //! it is without all this.
