@@ -10,6 +10,7 @@ use candela::vulkan::Device;
 use glam::{UVec2, Vec3, Vec4};
 use shared::camera::Camera;
 use shared::frame::{Settings, mode};
+use shared::resources::Resource;
 use std::collections::HashMap;
 use std::path::Path;
 use tests::gpu::{assert_no_validation_messages, device, renderer};
@@ -264,6 +265,8 @@ fn no_pixel_traces_more_rays_than_announced() {
     // From elsewhere: what was visible there need not be here.
     let before = Camera { position: now.position + Vec3::X * 0.05, ..now };
     for (name, settings) in cases() {
+        // Every pixel has another point than before.
+        let settings = Settings { pixel_centers: 1, ..settings };
         let most = rays::most(&settings, Primary::default().draws(&device), features);
         let options = frame_options(settings);
         let explanations = PIXELS.map(|pixel| {
@@ -295,6 +298,47 @@ fn no_pixel_traces_more_rays_than_announced() {
         let all: usize = passes.iter().map(|pass| reached[pass]).sum();
         assert_eq!(all as u64, most, "{name}: {reached:?}");
     }
+}
+
+/// Where the camera has moved: pixels that kept their points, and those that are listed because they have new ones.
+#[test]
+fn the_replay_follows_a_camera() {
+    let Some(device) = device() else { return };
+    let mut renderer = lit_renderer(&device);
+    let (scene, now) = (lit_screens(), camera(SIZE));
+    let world = World::new(&scene).expect("the scene fits");
+    let before = Camera { position: now.position + Vec3::new(0.1, 0.05, 0.2), ..now };
+    let options = frame_options(Settings { candidates: 8, ..Settings::default() });
+    let start = |renderer: &mut Renderer| {
+        renderer.restart();
+        (0..2).for_each(|_| drop(renderer.render(before, &options).expect("the frame renders")));
+    };
+    start(&mut renderer);
+    renderer.render(now, &options).expect("the frame renders");
+    let hops: Vec<u32> = renderer.read(Resource::hops).expect("the list is read back");
+    let new: Vec<UVec2> =
+        hops[1..][..hops[0] as usize].iter().map(|p| UVec2::new(p & 0xffff, p >> 16)).collect();
+    let all = SIZE.element_product() as usize;
+    assert!((10..all / 2).contains(&new.len()), "{} of {all} points are new", new.len());
+    let kept = (0..SIZE.x).map(|x| UVec2::new(x, SIZE.y / 2)).filter(|pixel| !new.contains(pixel)).take(6);
+    let mut merged = [0, 0];
+    for pixel in new.iter().copied().step_by(new.len() / 10).chain(kept) {
+        start(&mut renderer);
+        let (recorder, history) = renderer.parts();
+        let e = next_frame(recorder, history, &world, now, &options, pixel).expect("the frame is explained");
+        let is_new = new.contains(&pixel);
+        for pass in &e.passes {
+            assert!(
+                pass.difference.is_rounding(),
+                "{pixel}, new: {is_new}, {}: {:?}",
+                pass.pass,
+                pass.difference
+            );
+            let temporal = if is_new { "temporal_hops" } else { "temporal" };
+            merged[usize::from(is_new)] += usize::from(pass.pass == temporal && pass.canonical.is_some());
+        }
+    }
+    assert!(merged[0] > 2 && merged[1] > 2, "{merged:?} have a history");
 }
 
 /// Negative controls: a replay of another scene is noticed, and of which kind the difference is.

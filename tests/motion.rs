@@ -290,7 +290,7 @@ fn a_turning_box_keeps_its_history() {
         expected += u32::from(seen(before, 0.0).is_some_and(same));
     }
     assert!(on_box > 300 && expected > on_box / 2, "{expected} of {on_box} pixels");
-    let settings = Settings { candidates: 8, spatial: 0, ..Settings::default() };
+    let settings = Settings { candidates: 8, spatial: 0, pixel_centers: 1, ..Settings::default() };
     for mode in [mode::BIASED, mode::UNBIASED] {
         let settings = Settings { mode, ..settings };
         let mut with_history = |ignore: bool| {

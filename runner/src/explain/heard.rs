@@ -18,7 +18,9 @@ use shared::reflected::Reflected;
 use shared::resampling::initial::{BsdfRay, Candidate, Fresh, Techniques};
 use shared::resampling::pairwise::Weighed;
 use shared::resampling::reprojection::{Before, is_similar_albedo};
-use shared::resampling::{CrossProposal, is_similar_distance, is_similar_normal, pairs, target_of};
+use shared::resampling::{
+    CrossProposal, confidence, is_similar_distance, is_similar_normal, pairs, reservoir_index, target_of,
+};
 use shared::reservoir::StoredReservoir;
 use shared::shading::Contribution;
 use shared::shadow::ShadowRay;
@@ -188,9 +190,7 @@ impl<'a> Heard<'a> {
     pub fn place(&mut self, place: Option<UVec2>, similar: bool) {
         let rejected = match place {
             _ if similar => None,
-            None if self.replay.ran.pass.body() == Body::temporal => {
-                Some("outside the previous picture, or the first frame")
-            }
+            None if self.is_temporal() => Some("outside the previous picture, or the first frame"),
             None => Some("outside the picture, or the pixel itself"),
             Some(place) => Some(self.unlike(place)),
         };
@@ -213,7 +213,7 @@ impl<'a> Heard<'a> {
         let surface = at.surface(&at.texel(buffers.gbuffer));
         let (mut distance, mut normal) = (surface.distance, surface.normal);
         let mut texels = buffers.gbuffer;
-        let is_history = self.replay.ran.pass.body() == Body::temporal;
+        let is_history = self.is_temporal();
         if is_history {
             let mut before = Before::still(at.frame, &surface);
             if at.is(variant::MOVING) {
@@ -233,10 +233,18 @@ impl<'a> Heard<'a> {
             "its normal differs too much"
         } else if is_history && !is_similar_albedo(&surface, &texel) {
             "its albedo differs too much"
+        } else if self.is_pairwise() && self.both_last(place) {
+            "both have long histories, and go on alone"
         } else {
             // Of the two distances of a pair the smaller one counts.
             "its distance differs too much"
         }
+    }
+
+    fn both_last(&self, place: UVec2) -> bool {
+        let (at, reservoirs) = (self.replay.at(self.lane), self.replay.buffers.reservoirs);
+        let of = |pixel| reservoirs[reservoir_index(at.frame, pixel, self.lane) as usize];
+        confidence::both_last(&at.frame.settings, of(at.pixel), of(place))
     }
 
     pub fn cross(&mut self, cross: &mut CrossProposal) {
@@ -303,5 +311,9 @@ impl<'a> Heard<'a> {
 
     fn is_pairwise(&self) -> bool {
         self.replay.ran.pass.body() == Body::pair_merge
+    }
+
+    fn is_temporal(&self) -> bool {
+        matches!(self.replay.ran.pass.body(), Body::temporal | Body::temporal_hops)
     }
 }

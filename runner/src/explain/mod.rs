@@ -35,6 +35,7 @@ use shared::light::{KINDS, Light};
 use shared::math::unpack_place;
 use shared::motion::InstanceMotion;
 use shared::passes::Body;
+use shared::passes::points::is_listed;
 use shared::reservoir::StoredReservoir;
 use shared::resources::{Binding, Buffers};
 use shared::shadow::ShadowRay;
@@ -218,6 +219,11 @@ impl<'a> Explainer<'a> {
         let lanes = 0..frame.settings.reservoirs;
         match ran.pass.body() {
             Body::initial | Body::temporal | Body::spatial => {
+                self.passes.extend(lanes.map(|lane| replay.reservoir(lane, None)));
+            }
+            Body::temporal_hops if is_listed(replay.buffers.hops, self.pixel) => {
+                // The pass over points that are kept has left it alone.
+                self.passes.truncate(self.passes.len() - lanes.len());
                 self.passes.extend(lanes.map(|lane| replay.reservoir(lane, None)));
             }
             Body::pair_targets => self.pairs = Some(ran),

@@ -111,6 +111,12 @@ pub fn pack_pixel(pixel: UVec2) -> u32 {
     pixel.x | pixel.y << 16
 }
 
+/// Is `pixel` on `list`?
+#[cfg(not(target_arch = "spirv"))]
+pub fn is_listed(list: &[u32], pixel: UVec2) -> bool {
+    list[1..][..list[0] as usize].contains(&pack_pixel(pixel))
+}
+
 /// The thread that stands at `id` of a launch over `size`: for the pixel that `list` has there, or for none.
 pub fn listed(list: &[u32], id: UVec3, size: UVec3) -> UVec3 {
     let i = id.y * size.x + id.x;
