@@ -191,7 +191,7 @@ macro_rules! run_of {
     (traced (scene $($rays:ident)*) $($rest:tt)*) => {};
     (known () $($rest:tt)*) => { run_of!(asks $($rest)*) };
     (traced $rays:tt $($rest:tt)*) => { run_of!(asks $($rest)*) };
-    (listed $name:ident $extent:ident [$list:ident $($read:ident)*] $($rest:tt)*) => {
+    (listed $rays:tt $name:ident $extent:ident [$list:ident $($read:ident)*] $($rest:tt)*) => {
         run_of!(asks $name $extent [$($read)*] $($rest)*)
     };
     (asks $name:ident $extent:ident [$($read:ident)*] [$($update:ident)*],
