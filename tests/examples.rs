@@ -5,12 +5,12 @@ use std::process::Command;
 
 /// Standard output of an example; `cargo test --workspace` has built it beside the tests.
 fn run(name: &str, arguments: &[&str]) -> String {
-    let test = std::env::current_exe().unwrap();
-    let example = test.parent().unwrap().with_file_name("examples").join(name);
+    let test = std::env::current_exe().expect("tests are files");
+    let example = test.parent().expect("in a folder").with_file_name("examples").join(name);
     assert!(example.exists(), "{} is not built: cargo build --examples", example.display());
-    let output = Command::new(example).args(arguments).output().unwrap();
+    let output = Command::new(example).args(arguments).output().expect("it starts");
     assert!(output.status.success(), "{name}: {}", String::from_utf8_lossy(&output.stderr));
-    String::from_utf8(output.stdout).unwrap()
+    String::from_utf8(output.stdout).expect("it prints text")
 }
 
 /// Mean display value of the picture that an example draws, 0 to 255.
@@ -20,9 +20,9 @@ fn brightness(name: &str, input: &str) -> f64 {
     }
     let file: PathBuf =
         std::env::temp_dir().join(format!("candela-example-{}-{name}.png", std::process::id()));
-    run(name, &[input, file.to_str().unwrap()]);
-    let picture = image::open(&file).unwrap().into_luma8();
-    std::fs::remove_file(file).unwrap();
+    run(name, &[input, file.to_str().expect("a name")]);
+    let picture = image::open(&file).expect("it writes a picture").into_luma8();
+    std::fs::remove_file(file).expect("it is there");
     assert_eq!(picture.dimensions(), (640, 360));
     picture.pixels().map(|pixel| f64::from(pixel.0[0])).sum::<f64>() / f64::from(640 * 360)
 }
