@@ -102,7 +102,7 @@ impl Light {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::light::sampling_tests::{COLOR, Known, Sample, brightness};
+    use crate::light::sampling_tests::{COLOR, Known, Sample, brightness, irradiance};
 
     impl Sample for Disk {
         fn known(strength: f32) -> Known {
@@ -116,16 +116,6 @@ mod tests {
             let right = |radius: Vec3| usize::from((place - self.center).dot(radius) > 0.0);
             right(self.radii[0]) + 2 * right(self.radii[1])
         }
-    }
-
-    fn irradiance(light: &Light, receiver: Vec3, normal: Vec3) -> f64 {
-        let n = 256;
-        let one = |i: i32| {
-            let square = Vec2::new((i % n) as f32 + 0.5, (i / n) as f32 + 0.5) / n as f32;
-            let incident = light.sample_li(square, receiver);
-            f64::from(incident.irradiance.x * incident.direction.dot(normal) / light.pdf_li().0)
-        };
-        (0..n * n).map(one).sum::<f64>() / f64::from(n * n)
     }
 
     /// E = π L r² / (r² + h²) on the axis.

@@ -29,6 +29,17 @@ pub trait Sample: Kind {
 pub const RADIUS: f32 = 7.0;
 pub const COLOR: Vec3 = Vec3::new(3.0, 2.0, 1.0);
 
+/// Red irradiance, lx, of a surface at `receiver`: the mean over a grid of 256 x 256 samples.
+pub fn irradiance(light: &Light, receiver: Vec3, normal: Vec3) -> f64 {
+    let n = 256;
+    let one = |i: i32| {
+        let square = Vec2::new((i % n) as f32 + 0.5, (i / n) as f32 + 0.5) / n as f32;
+        let incident = light.sample_li(square, receiver);
+        f64::from(incident.irradiance.x * incident.direction.dot(normal) / light.pdf_li().0)
+    };
+    (0..n * n).map(one).sum::<f64>() / f64::from(n * n)
+}
+
 /// Luminance (Rec. 709) of [`COLOR`] x `strength`.
 pub fn brightness(strength: f32) -> f64 {
     (0.2126 * 3.0 + 0.7152 * 2.0 + 0.0722) * f64::from(strength)

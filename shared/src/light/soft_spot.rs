@@ -72,7 +72,7 @@ impl Light {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::light::sampling_tests::{COLOR, Known, Sample, brightness};
+    use crate::light::sampling_tests::{COLOR, Known, Sample, brightness, irradiance};
     use core::f64::consts::TAU;
 
     impl Sample for SoftSpot {
@@ -89,16 +89,6 @@ mod tests {
             let (u, v) = basis(self.spot.axis);
             usize::from(at.dot(u) > 0.0) + 2 * usize::from(at.dot(v) > 0.0)
         }
-    }
-
-    fn irradiance(light: &Light, receiver: Vec3, normal: Vec3) -> f64 {
-        let n = 256;
-        let one = |i: i32| {
-            let square = Vec2::new((i % n) as f32 + 0.5, (i / n) as f32 + 0.5) / n as f32;
-            let incident = light.sample_li(square, receiver);
-            f64::from(incident.irradiance.x * incident.direction.dot(normal) / light.pdf_li().0)
-        };
-        (0..n * n).map(one).sum::<f64>() / f64::from(n * n)
     }
 
     /// On the axis, all of it within the full cone: E = I/(π r²) ∫ cosθ/d² dA = 2 I/r² (1 - h / √(h² + r²)).
