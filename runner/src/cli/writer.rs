@@ -79,9 +79,9 @@ mod tests {
                     Ok(vec![i; (0..spins).fold(3, |a: u32, b| a.wrapping_mul(31) ^ b) as usize % 5 + 1])
                 })
                 .unwrap();
-            let there: Vec<bool> = (0..40).map(|i| folder.join(format!("{i}")).exists()).collect();
-            let first_gap = there.iter().position(|exists| !exists).unwrap_or(40);
-            assert!(there[first_gap..].iter().all(|exists| !exists), "{there:?}");
+            // From the last one down: what is written meanwhile comes before what was seen.
+            let mut later = (0..40).rev().skip_while(|i| !folder.join(format!("{i}")).exists());
+            assert!(later.all(|i| folder.join(format!("{i}")).exists()));
         }
         writer.finish().unwrap();
         for i in 0..40u8 {
