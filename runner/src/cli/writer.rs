@@ -10,9 +10,11 @@ use std::thread::{self, JoinHandle};
 type Ordered = (PathBuf, Receiver<Result<Vec<u8>>>);
 
 /// Writes pictures in the order in which they come. Of more than one a processor the next one waits, so that memory stays bounded.
+/// Dropped, it writes what it has: whatever ends a sequence, its pictures up to there stay.
 pub struct Writer {
-    queue: SyncSender<Ordered>,
-    writes: JoinHandle<Result<()>>,
+    /// None once it takes no more.
+    queue: Option<SyncSender<Ordered>>,
+    writes: Option<JoinHandle<Result<()>>>,
 }
 
 impl Writer {
@@ -26,7 +28,7 @@ impl Writer {
             }
             Ok(())
         });
-        Writer { queue, writes }
+        Writer { queue: Some(queue), writes: Some(writes) }
     }
 
     /// `encode`d, the picture will be at `path`. Fails if one before it could not be written; no later one is then.
@@ -40,18 +42,24 @@ impl Writer {
             // Nobody waits for it once writing has failed.
             let _ = done.send(encode());
         });
-        if self.queue.send((path, bytes)).is_ok() {
-            return Ok(());
+        match &self.queue {
+            Some(queue) if queue.send((path, bytes)).is_ok() => Ok(()),
+            _ => self.finish(),
         }
-        let (queue, _) = mpsc::sync_channel(0);
-        let ended = std::mem::replace(self, Writer { queue, writes: thread::spawn(|| Ok(())) });
-        ended.finish()
     }
 
     /// Waits until all are written.
-    pub fn finish(self) -> Result<()> {
-        drop(self.queue);
-        self.writes.join().map_err(|_| Error::Internal("pictures are no longer written".into()))?
+    pub fn finish(&mut self) -> Result<()> {
+        self.queue = None;
+        let Some(writes) = self.writes.take() else { return Ok(()) };
+        writes.join().map_err(|_| Error::Internal("pictures are no longer written".into()))?
+    }
+}
+
+impl Drop for Writer {
+    fn drop(&mut self) {
+        // Another error is on its way to the user.
+        let _ = self.finish();
     }
 }
 
@@ -87,6 +95,18 @@ mod tests {
         for i in 0..40u8 {
             assert_eq!(fs::read(folder.join(format!("{i}"))).unwrap()[0], i);
         }
+        fs::remove_dir_all(folder).unwrap();
+    }
+
+    #[test]
+    fn what_was_pushed_is_written_however_it_ends() {
+        let folder = folder("dropped");
+        let mut writer = Writer::new();
+        (0..5u8)
+            .for_each(|i| writer.push(folder.join(format!("{i}")), move || Ok(vec![i; 1 << 20])).unwrap());
+        drop(writer);
+        assert!((0..5).all(|i| fs::metadata(folder.join(format!("{i}"))).unwrap().len() == 1 << 20));
+        assert_eq!(fs::read_dir(&folder).unwrap().count(), 5, "nothing half written");
         fs::remove_dir_all(folder).unwrap();
     }
 
