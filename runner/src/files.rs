@@ -22,7 +22,7 @@ pub fn read(path: &Path) -> Result<Vec<u8>> {
 pub fn read_text(path: &Path) -> Result<String> {
     let text = || {
         if size(path)? > MAX_TEXT {
-            return Err(io::Error::other(format!("more than {} MiB are no document", MAX_TEXT >> 20)));
+            return Err(io::Error::other(format!("a document has at most {} MiB", MAX_TEXT >> 20)));
         }
         fs::read_to_string(path)
     };

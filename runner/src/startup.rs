@@ -1,4 +1,4 @@
-//! How long the way to the first frame takes, step by step: on standard error if that was asked for, else in the log.
+//! Times of the steps from start to first frame: on standard error with `--timings`, else in the log.
 
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -1,4 +1,4 @@
-//! Pictures from frames: their mean, and with `--layers` what compositors and denoisers want beside it.
+//! Pictures from frames: their mean, and with `--layers` the layers for compositors and denoisers.
 
 use crate::error::Result;
 use crate::frame::renderer::Renderer;

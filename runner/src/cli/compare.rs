@@ -11,7 +11,7 @@ use std::path::PathBuf;
 
 #[derive(Args, Clone, Debug)]
 pub struct CompareArgs {
-    /// The picture to judge: .exr, linear radiance.
+    /// The picture: .exr, linear radiance.
     pub picture: PathBuf,
     /// The truth: .exr of the same size.
     pub reference: PathBuf,

@@ -1,4 +1,4 @@
-//! `candela explain X Y`: how one pixel of one frame came to be.
+//! `candela explain X Y`: one pixel of one frame, replayed.
 
 use super::args::values::{parse_size, positive, time};
 use super::args::{DeviceArgs, KnobArgs, SceneArgs};
@@ -38,7 +38,7 @@ pub struct ExplainArgs {
     /// Explain this frame instead, counted from 0.
     #[arg(long, value_name = "F", conflicts_with = "frames")]
     pub frame: Option<u32>,
-    /// Play the scene's animation: frame 0 shows T seconds [default: at rest].
+    /// Play the scene's animations: time of frame 0, in seconds [default: at rest].
     #[arg(long, value_name = "T", value_parser = time)]
     pub time: Option<f64>,
     /// Frames a second of the animation.

@@ -11,7 +11,7 @@ use std::path::PathBuf;
 pub struct ExportArgs {
     #[command(flatten)]
     pub scene: SceneArgs,
-    /// Folder to write to; it is made if it is not there.
+    /// Folder to write to; it is created if it does not exist.
     #[arg(short, long, value_name = "DIR")]
     pub output: PathBuf,
     /// As for `render`.

@@ -49,12 +49,12 @@ struct Info {
 pub struct InfoArgs {
     #[command(flatten)]
     pub scene: SceneArgs,
-    /// Also what the driver's compiler made of each pass for this scene: registers, spills, instructions, as far as it tells.
+    /// Add the driver's statistics of each pass for this scene: registers, spills, instructions.
     #[arg(long)]
     pub pipelines: bool,
     #[command(flatten)]
     pub device: DeviceArgs,
-    /// As one JSON object.
+    /// Print one JSON object.
     #[arg(long)]
     pub json: bool,
 }
@@ -193,7 +193,7 @@ fn print(info: &Info) {
     println!("  bounds      {:.3} x {:.3} x {:.3} m around {center:.3}", e.x, e.y, e.z);
     if info.origin != [0.0; 3] {
         println!(
-            "  origin      {:.3}: far from zero, so positions are kept relative to it",
+            "  origin      {:.3}: positions are stored relative to it, as the scene is far from zero",
             DVec3::from_array(info.origin)
         );
     }

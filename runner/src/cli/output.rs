@@ -1,4 +1,4 @@
-//! What commands leave behind: the picture, and a verdict of the validation layer.
+//! Output of commands: the picture, and messages of the validation layer.
 
 use super::accumulation::Content;
 use super::args::PictureArgs;
@@ -14,7 +14,7 @@ pub fn check(path: &Path, args: &PictureArgs) -> Result<PictureFormat> {
     if args.layers && format != PictureFormat::Exr {
         let path = path.display();
         return Err(Error::Usage(format!(
-            "{path}: only .exr files have layers: name it so, or leave --layers out"
+            "{path}: layers need an .exr: rename the picture, or leave --layers out"
         )));
     }
     image_io::check_writable(path)

@@ -1,4 +1,4 @@
-//! The tables of docs/command-line.md, written from what the program knows.
+//! The tables of docs/command-line.md, generated.
 
 use crate::error::{Error, Kind, Result};
 use crate::knobs::ALL;

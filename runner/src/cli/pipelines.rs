@@ -1,4 +1,4 @@
-//! `candela info --pipelines`: what the driver's compiler made of each pass.
+//! `candela info --pipelines`: the driver's statistics of each compiled pass.
 
 use crate::error::Result;
 use crate::frame::pipelines::Pipelines;

@@ -28,10 +28,10 @@ pub struct ReferenceArgs {
     /// exact and no more are taken.
     #[arg(long, default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..))]
     pub samples: u32,
-    /// How often light may be reflected before it reaches what the camera sees: 0 is direct light; `inf` for no end.
+    /// Reflections of light before the visible surface: 0 is direct light, `inf` has no limit.
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = bounces)]
     pub bounces: u32,
-    /// Paths of each pixel that gather the light that bounces.
+    /// Paths a pixel for indirect light.
     #[arg(long, default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..))]
     pub paths: u32,
     /// As for `render`.

@@ -35,10 +35,10 @@ pub struct RenderArgs {
     /// Pictures a second of a sequence.
     #[arg(long, default_value_t = 24.0, value_parser = positive)]
     pub fps: f32,
-    /// Frames before the first picture of a sequence, which give it a history.
+    /// Frames rendered before the first picture of a sequence, for its history.
     #[arg(long, value_name = "N", default_value_t = 16)]
     pub warm_up: u32,
-    /// Render the pictures of a sequence anew that exist.
+    /// Render pictures of a sequence again that exist already.
     #[arg(long)]
     pub overwrite: bool,
     /// Write the mean of all frames instead of the last one. On processors, whose rays cost most of a frame, the mean gets
@@ -86,9 +86,7 @@ fn still(args: &RenderArgs, frames: u32) -> Result<()> {
     let size = args.picture.size;
     let mut renderer = Renderer::new(&device, gpu_scene, size, settings.reservoirs)?;
     if args.accumulate && device.info().is_processor() && (settings.temporal | settings.spatial) != 0 {
-        eprintln!(
-            "note: on a processor the mean of frames gets better sooner with --no-temporal --no-spatial"
-        );
+        eprintln!("note: on a processor the mean of frames converges faster with --no-temporal --no-spatial");
     }
     let options = args.picture.options(Work::Restir(settings), knobs.primary);
 
@@ -148,7 +146,7 @@ fn parse_frames(text: &str) -> Result<Frames, String> {
         Frames::Still(0) => Err(EXPECTED.into()),
         Frames::Sequence(range) if range.is_empty() => Err(EXPECTED.into()),
         Frames::Sequence(range) if range.len() > MAX_PICTURES => {
-            Err(format!("a sequence has at most {MAX_PICTURES} pictures; ask for it in parts"))
+            Err(format!("a sequence has at most {MAX_PICTURES} pictures; render it in parts"))
         }
         _ => Ok(frames),
     }

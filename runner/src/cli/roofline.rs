@@ -30,7 +30,7 @@ pub struct RooflineArgs {
     pub frames: u32,
     #[command(flatten)]
     pub device: DeviceArgs,
-    /// As one JSON object.
+    /// Print one JSON object.
     #[arg(long)]
     pub json: bool,
 }
@@ -85,6 +85,6 @@ fn print(roofline: &Roofline) {
         copy.median, roofline.bandwidth
     );
     if !roofline.steady {
-        println!("not steady: times still changed by more than 1 % when the longest wait was over");
+        println!("not steady: times still changed by more than 1 % at the end of the longest warm-up");
     }
 }

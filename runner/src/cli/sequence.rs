@@ -22,7 +22,7 @@ use std::path::{Path, PathBuf};
 pub fn run(args: &RenderArgs, frames: Range<u32>) -> Result<()> {
     if args.accumulate {
         return Err(Error::Usage(
-            "--accumulate makes one picture; a range of --frames makes one a frame".into(),
+            "--accumulate writes one picture, a range of --frames one for each frame: use one of them".into(),
         ));
     }
     let wanted: Vec<(u32, PathBuf)> = frames
@@ -34,7 +34,10 @@ pub fn run(args: &RenderArgs, frames: Range<u32>) -> Result<()> {
     let all = wanted.len();
     let missing: Vec<_> = wanted.into_iter().filter(|(_, path)| args.overwrite || !path.exists()).collect();
     if missing.len() < all {
-        println!("{} of {all} pictures exist and are skipped", all - missing.len());
+        println!(
+            "{} of {all} pictures exist and are skipped (--overwrite renders them again)",
+            all - missing.len()
+        );
     }
     if missing.is_empty() {
         return Ok(());
@@ -72,7 +75,10 @@ pub fn run(args: &RenderArgs, frames: Range<u32>) -> Result<()> {
     let (first, last) = (&missing[0].1, &missing[missing.len() - 1].1);
     println!("wrote {} pictures, {} to {}", missing.len(), first.display(), last.display());
     println!("{}: {} lights", device.info().name, film.renderer.scene().light_count());
-    println!("{}; the clock of a GPU falls while pictures are read back", film.times.summary());
+    println!(
+        "{}; a GPU lowers its clock while pictures are read back, so measure times with `sweep`",
+        film.times.summary()
+    );
     output::check_validation(&device)
 }
 

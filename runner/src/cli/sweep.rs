@@ -23,10 +23,10 @@ pub struct SweepArgs {
     /// Folder of the results: points.json, points.csv, report.html.
     #[arg(short, long, value_name = "DIR")]
     pub output: PathBuf,
-    /// Folder of what is kept between runs: finished points and references [default: DIR/cache].
+    /// Folder of finished points and references, kept between runs [default: DIR/cache].
     #[arg(long, value_name = "DIR")]
     pub cache: Option<PathBuf>,
-    /// Measure only the points whose name contains this; may be said several times.
+    /// Measure only points whose name contains this text; may be repeated.
     #[arg(long, value_name = "TEXT")]
     pub only: Vec<String>,
     /// Width x height in pixels, in place of the plan's.

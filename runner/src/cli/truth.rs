@@ -1,4 +1,4 @@
-//! `candela render --truth`: what a picture should have shown.
+//! `candela render --truth`: the sum over all lights at the points of a picture.
 
 use super::render::RenderArgs;
 use crate::error::{Error, Result};
@@ -16,10 +16,10 @@ pub fn check(args: &RenderArgs, path: Option<&Path>) -> Result<()> {
     let Some(path) = path else { return Ok(()) };
     let shown = path.display();
     if image_io::check_writable(path)? != PictureFormat::Exr {
-        return Err(Error::Usage(format!("--truth {shown}: a truth is radiance: name it .exr")));
+        return Err(Error::Usage(format!("--truth {shown}: the truth is written as .exr: rename it")));
     }
     if path == args.picture.output {
-        return Err(Error::Usage(format!("--truth {shown}: the picture goes there")));
+        return Err(Error::Usage(format!("--truth {shown}: that is the picture's own file")));
     }
     Ok(())
 }

@@ -1,4 +1,4 @@
-//! Which scene and which camera a command is about.
+//! The scene and the camera of a command.
 
 use super::args::{PictureArgs, SceneArgs};
 use crate::error::Result;

@@ -27,7 +27,7 @@ pub struct ViewArgs {
     /// Stops brighter (+) or darker (-) than the automatic exposure.
     #[arg(long, default_value_t = 0.0, allow_hyphen_values = true, value_parser = stops)]
     pub exposure: f32,
-    /// Pose the scene's animations at T seconds [default: at rest].
+    /// Time of the scene's animations, in seconds [default: at rest].
     #[arg(long, value_name = "T", value_parser = time)]
     pub time: Option<f64>,
     /// Commands that the viewer plays by itself, for tests.

@@ -1,4 +1,4 @@
-//! How far two results are apart.
+//! Differences of two results, in ulps.
 
 use serde::Serialize;
 use shared::reservoir::StoredReservoir;

@@ -1,4 +1,4 @@
-//! What a body did, in the words of a report.
+//! The steps of a body, recorded for a report.
 
 use super::rays::Hit;
 use super::record::{
@@ -234,7 +234,7 @@ impl<'a> Heard<'a> {
         } else if is_history && !is_similar_albedo(&surface, &texel) {
             "its albedo differs too much"
         } else if self.is_pairwise() && self.both_last(place) {
-            "both have long histories, and go on alone"
+            "both have long histories, and are not merged"
         } else {
             // Of the two distances of a pair the smaller one counts.
             "its distance differs too much"

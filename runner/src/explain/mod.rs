@@ -1,7 +1,8 @@
-//! One pixel of one frame, replayed on the CPU by the bodies of its passes, and compared with what the GPU computed for it.
+//! One pixel of one frame, replayed on the CPU by the bodies of its passes, and compared with the GPU's result.
 //!
 //! Each body runs from the GPU's own input to it, so that differences don't add up from pass to pass. Visibility is
-//! asked of every triangle, in f64. Not replayed: light that bounces, and the primary ray's textures and normal maps (the G-buffer is taken as it is).
+//! asked of every triangle, in f64. Not replayed: light that bounces, and the primary ray's textures and normal
+//! maps (the G-buffer is taken as it is).
 
 pub mod compare;
 mod heard;
@@ -149,7 +150,7 @@ pub fn next_frame(
     check_pixel(pixel, history.size())?;
     let Work::Restir(_) = options.work else {
         return Err(Error::Usage(
-            "only ReSTIR frames can be explained: the reference resamples nothing".into(),
+            "only ReSTIR frames can be explained: the reference does not resample".into(),
         ));
     };
     // Radiance is explained as a whole.

@@ -1,4 +1,4 @@
-//! Rays on the CPU: a second opinion on what hides what, by other means than the driver's. Every triangle, in f64.
+//! Rays on the CPU, in f64 against every triangle: visibility without the driver.
 
 use super::texels;
 use crate::gpu_scene::arrays::{Placement, SceneArrays};

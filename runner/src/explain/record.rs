@@ -1,4 +1,4 @@
-//! What is known of a pixel after its replay. Units as everywhere: m, nit; arrays are x, y, z or r, g, b.
+//! The record of a replayed pixel. Units as everywhere: m, nit; arrays are x, y, z or r, g, b.
 
 use super::compare::Difference;
 use super::rays::Hit;

@@ -40,7 +40,7 @@ impl Display for Explanation {
             write!(f, "\n{shading}")?;
         }
         if let Some(indirect) = self.indirect {
-            writeln!(f, "\nlight that bounced: {} nit, by paths that are not replayed", vector(indirect))?;
+            writeln!(f, "\nindirect light: {} nit, by paths, which are not replayed", vector(indirect))?;
         }
         writeln!(f, "\nradiance {} nit on the GPU; {}", vector(self.radiance), self.verdict())
     }
@@ -78,7 +78,7 @@ impl Explanation {
         let flipped = self.disagreeing_rays();
         let rays = match flipped {
             0 => String::new(),
-            n => format!(", with {n} rays answered as only the GPU can have"),
+            n => format!(", with the GPU's answer for {n} rays"),
         };
         if !self.is_explained() {
             let pass = self.passes.iter().find(|pass| !pass.difference.is_rounding());

@@ -1,4 +1,4 @@
-//! What each pass of a frame found and left, read back step by step: to run its body again on the CPU.
+//! Inputs and outputs of each pass of a frame, read back step by step, to run its body again on the CPU.
 
 use super::history::History;
 use super::pass::Step;

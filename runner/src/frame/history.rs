@@ -1,4 +1,4 @@
-//! A sequence of frames with its past: what one frame leaves for the next.
+//! The history of a sequence of frames: the buffers that one frame leaves for the next.
 
 use super::schedule::{Points, Rotation};
 use super::targets::{Target, Targets};

@@ -1,4 +1,5 @@
-//! How many rays a frame traces at most. Counting those that are traced takes an atomic in every ray-tracing shader, or a second
+//! The largest number of rays of a frame. Counting those that are traced takes an atomic in every ray-tracing
+//! shader, or a second
 //! variant of each; the most is known from the settings alone.
 
 use super::pass::Step;

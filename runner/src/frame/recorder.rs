@@ -200,7 +200,7 @@ impl Recorder {
         if settings.reservoirs > history.reservoirs() {
             let (asked, has) = (settings.reservoirs, history.reservoirs());
             return Err(Error::Internal(format!(
-                "{asked} reservoirs a pixel asked of a renderer made for {has}"
+                "{asked} reservoirs a pixel, but the renderer was created for {has}"
             )));
         }
         let now = self.scene.version();
@@ -230,7 +230,7 @@ impl Recorder {
         let rests = history.scene == now && history.previous_camera == Some(camera);
         let looks_back = matches!(options.work, Work::Truth { .. } | Work::TruthPaths { .. });
         if looks_back && !rests {
-            return Err(Error::Internal("there is no frame whose surfaces could be looked at again".into()));
+            return Err(Error::Internal("no frame was rendered whose surfaces could be used again".into()));
         }
         let lasting = matches!(options.work, Work::Restir(_))
             && settings.pixel_centers == 0

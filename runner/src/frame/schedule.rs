@@ -1,4 +1,4 @@
-//! The frame as functions over a list of steps, and which copy of each buffer stands behind a binding.
+//! The frame as functions over a list of steps, and the copy of each buffer at a binding.
 
 use super::pass::Step;
 use super::targets::Target;
@@ -22,11 +22,11 @@ pub struct Rotation {
     history: usize,
 }
 
-/// How a frame finds what its pixels see. Both give the same surfaces, but where a pixel's center lies on an edge.
+/// How a frame finds the surface of each pixel. Both give the same surfaces, but where a pixel's center lies on an edge.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Primary {
-    /// What was measured to be faster: `raster` on processors, `rays` on other devices.
+    /// The faster one, as measured: `raster` on processors, `rays` on other devices.
     #[default]
     Auto,
     /// The graphics pipeline draws the scene.

@@ -1,4 +1,4 @@
-//! What each feature of a scene costs in device memory: the buffers and images that would not be there without it.
+//! Device memory of each feature of a scene: the buffers and images that exist because of it.
 
 use super::arrays::SceneArrays;
 use super::draws::DRAW_BYTES;

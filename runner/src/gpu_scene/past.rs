@@ -1,4 +1,4 @@
-//! A scene that changes from frame to frame, and what the device keeps of how it was. Made at the first change: a scene that
+//! The previous state of a scene that changes, on the device. Made at the first change: a scene that
 //! stands still has none of it.
 
 use super::arrays::environment_texels;
@@ -102,7 +102,7 @@ impl GpuScene {
         device.wait_idle()?;
         let table = LightTable::new(scene);
         if table.lights.iter().any(|light| self.features & features::light_kind(light.kind) == 0) {
-            let reason = "lights of a new kind: the scene has to be made anew with them";
+            let reason = "lights of a new kind: create the scene again with them";
             return Err(Error::Internal(reason.into()));
         }
         let [mut to_current, _] = light_maps(&past.table, &table, edits);

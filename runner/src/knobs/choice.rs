@@ -56,8 +56,8 @@ impl Choice for Indirect {
     const ALL: &'static [Self] = &[Indirect::Off, Indirect::One, Indirect::Full];
     const WORDS: &'static [(&'static str, &'static str)] = &[
         ("off", "Direct light alone"),
-        ("one", "Light that was reflected once: `reference --bounces 1`"),
-        ("full", "Light that was reflected any number of times: `reference --bounces inf`"),
+        ("one", "Light reflected once, as `reference --bounces 1`"),
+        ("full", "Light reflected any number of times, as `reference --bounces inf`"),
     ];
 }
 
@@ -100,7 +100,7 @@ impl Choice for Primary {
     const ALL: &'static [Self] = &[Primary::Rays, Primary::Auto, Primary::Raster];
     const WORDS: &'static [(&'static str, &'static str)] = &[
         ("rays", "A ray a pixel"),
-        ("auto", "What was measured to be faster: `raster` on processors, `rays` on other devices"),
+        ("auto", "The faster one, as measured: `raster` on processors, `rays` on other devices"),
         ("raster", "The graphics pipeline draws the scene"),
     ];
 }

@@ -1,4 +1,4 @@
-//! Every knob: as a document of readable values ([`Knobs`]), and as what people see of each ([`Knob`]). Both follow from the rows of
+//! Every knob: as a document of values ([`Knobs`]), and as its description ([`Knob`]). Both follow from the rows of
 //! `shared/src/knobs.rs`, and from those below for the knobs of the host.
 
 mod choice;
@@ -171,9 +171,9 @@ macro_rules! knobs {
 
 shared::knobs!(knobs {
     primary: choice(Primary) = Auto,
-        label "Primary", about "How a frame finds what its pixels see",
+        label "Primary", about "How a frame finds the surface of each pixel",
         higher "raster: no rays from the eye", lower "rays: one a pixel",
-        bias "none; pixels whose center lies on an edge may show its other side";
+        bias "none; a pixel whose center lies on an edge may show the other side";
 });
 
 impl Knobs {

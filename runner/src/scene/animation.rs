@@ -1,4 +1,4 @@
-//! Motion: the nodes of a scene that move, the curves that move them, and where that puts things at a time. Pure functions.
+//! Animation: moving nodes, their curves, and their poses at a time. Pure functions.
 //!
 //! Interpolation follows glTF 2.0, appendix C, in f64.
 

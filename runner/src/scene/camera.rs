@@ -1,4 +1,4 @@
-//! A view of a scene whose file has none.
+//! A default camera, for scenes without one.
 
 use super::{SceneCamera, SceneDescription};
 use glam::{DVec3, Vec3};

@@ -58,19 +58,19 @@ pub fn load(source: &EnvironmentSource) -> Result<(Environment, Vec<String>)> {
     let Picture { size, mut radiance, encoded } = decode(&bytes).map_err(broken)?;
     let mut warnings = Vec::new();
     if encoded {
-        let text = "the environment map is an ordinary picture: nothing in it is brighter than white, which is 1 nit";
+        let text = "the environment map is a PNG, JPEG or WebP: its brightest white is 1 nit (--environment-scale raises it)";
         warnings.push(text.to_owned());
     }
     if size.x != 2 * size.y {
         let UVec2 { x, y } = size;
         warnings.push(format!(
-            "the environment map has {x} x {y} px, not twice as many across as down: it is stretched to the whole sphere"
+            "the environment map has {x} x {y} px, not an aspect of 2:1: it is stretched to the whole sphere"
         ));
     }
     let clamped = radiance.iter_mut().filter_map(|texel| clamp(texel, scale).then_some(())).count();
     if clamped > 0 {
         warnings.push(format!(
-            "{clamped} texels of the environment map are negative, infinite or no number, so are clamped"
+            "{clamped} texels of the environment map are negative or not finite; they are clamped"
         ));
     }
     Ok((fit(Environment { size, radiance }, MAX_SIZE, rotation), warnings))
@@ -323,7 +323,7 @@ mod tests {
         assert_eq!((map.size, map.radiance[1]), (UVec2::splat(2), Vec3::splat(2.0)));
         // 188 / 255 stands for 0.5029.
         assert!((map.radiance[0].x - 1.0058).abs() < 1e-3, "{}", map.radiance[0].x);
-        assert!(warnings.len() == 2 && warnings[0].contains("ordinary picture"), "{warnings:?}");
+        assert!(warnings.len() == 2 && warnings[0].contains("PNG, JPEG or WebP"), "{warnings:?}");
         assert!(warnings[1].contains("2 x 2 px"), "{warnings:?}");
     }
 

@@ -1,4 +1,4 @@
-//! From what the command line names to a scene with lights.
+//! Scenes by file name or built-in name, with lights.
 
 use super::lights::is_lit;
 use super::procedural::{atrium, knot, scatter::scatter, town};

@@ -1,4 +1,4 @@
-//! Which camera of a scene is meant: by name, by number, in numbers, or the first.
+//! Cameras from the command line: by name, by index, by position, or the first.
 
 use super::animation::Thing;
 use super::{SceneCamera, SceneDescription};
@@ -62,7 +62,7 @@ impl SceneCamera {
     }
 }
 
-/// `x,y,z,tx,ty,tz[,fov]` as (position, target, fov in degrees), or none if it is no list of numbers.
+/// `x,y,z,tx,ty,tz[,fov]` as (position, target, fov in degrees), or none if it is not a list of numbers.
 pub fn parse_view(text: &str) -> Option<Result<(DVec3, DVec3, Option<f64>)>> {
     let numbers: Vec<f64> = text.split(',').map(|n| n.trim().parse().ok()).collect::<Option<_>>()?;
     let finite = numbers.iter().all(|n| n.is_finite());

@@ -1,4 +1,4 @@
-//! The error of what is on screen, read back with the frames.
+//! The error of the picture on screen, read back with the frames.
 
 use crate::error::Result;
 use crate::frame::history::History;

@@ -1,4 +1,4 @@
-//! What winit's events mean.
+//! winit's events as inputs.
 
 use super::input::{Button, Input};
 use glam::Vec2;

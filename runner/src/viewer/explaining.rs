@@ -1,4 +1,4 @@
-//! A pixel that is being explained, beside the window: its thread has the frames meanwhile, so the picture stands still.
+//! Explanation of a pixel in a thread, which owns the frames meanwhile: the picture stands still.
 
 use super::frames::{Frames, Question};
 use crate::error::{Error, Result};

@@ -1,4 +1,4 @@
-//! What a user does, apart from any window system, and what each key means.
+//! User input, independent of the window system, and the meaning of each key.
 
 use super::presets::Preset;
 use super::views::View;
@@ -149,7 +149,7 @@ pub const BINDINGS: &[Binding] = &[
     bind(KeyCode::Digit2, false, "2", "preset Thesis", Command::Preset(Preset::Thesis)),
     bind(KeyCode::Digit3, false, "3", "preset Unbiased", Command::Preset(Preset::Unbiased)),
     bind(KeyCode::Digit4, false, "4", "preset Reference", Command::Preset(Preset::Reference)),
-    bind(KeyCode::Backspace, false, "Backspace", "all knobs as at the start", Command::Reset),
+    bind(KeyCode::Backspace, false, "Backspace", "reset all knobs", Command::Reset),
     bind(KeyCode::KeyP, false, "P", "accumulate frames", Command::Accumulate),
     bind(KeyCode::KeyP, true, "Shift P", "start again", Command::Restart),
     bind(KeyCode::KeyG, false, "G", "next view", Command::NextView(Step::Up)),

@@ -1,4 +1,4 @@
-//! Settings that are known by a name.
+//! Named settings.
 
 use crate::knobs::{Auto, Knobs, Mode};
 

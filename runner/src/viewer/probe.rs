@@ -1,4 +1,4 @@
-//! What one pixel holds, read back with the frames: a frame or two late, but without a wait.
+//! The state of one pixel, read back with the frames: a frame or two late, without a wait.
 
 use crate::error::Result;
 use crate::frame::history::History;

@@ -1,4 +1,4 @@
-//! What the frames on their way have told, one or two frames late.
+//! Values read back from frames in flight, one or two frames late.
 
 use super::error::Measured;
 use super::probe::Probe;

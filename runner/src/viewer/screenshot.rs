@@ -1,4 +1,4 @@
-//! What is on screen as files: picture, radiance, settings.
+//! Screenshots: picture, radiance and settings as files.
 
 use super::frames::Frames;
 use super::state::State;

@@ -101,7 +101,7 @@ impl Script {
     pub fn again(&mut self, event: Event) -> Result<()> {
         self.patience += 1;
         if self.patience > MOST {
-            return Err(Error::Check(format!("script: {event:?} in vain")));
+            return Err(Error::Check(format!("script: {event:?} had no effect")));
         }
         self.lines.push_front(Line::Event(event));
         self.wait = 1;

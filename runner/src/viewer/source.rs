@@ -1,4 +1,4 @@
-//! Where a scene comes from.
+//! The source of a scene: a file or a built-in name, with its options.
 
 use crate::error::{Error, Result};
 use crate::scene::{self, EnvironmentSource, Illumination, SceneDescription, SceneSource};

@@ -1,4 +1,4 @@
-//! Error over time: where the mean of the frames came from, and where it is.
+//! The error of the mean of frames, over time.
 
 use super::error::Measured;
 

@@ -1,4 +1,4 @@
-//! What the window can show of a frame.
+//! Views of a frame.
 
 use crate::knobs::Step;
 use shared::view::kind;
@@ -82,8 +82,10 @@ impl View {
             View::Light => "a color each; black: none",
             View::Weight => "2^-20 to 2^20; black: no light",
             View::Confidence => "1 to 65,536 candidates",
-            View::Cell => "a color each; a pixel may ask its cell's neighbor; black without cells",
-            View::Believed => "0 to 1: how much of its sample's light the pixel's cell believes to arrive",
+            View::Cell => {
+                "a color each; pixels near an edge may use the neighboring cell; black without cells"
+            }
+            View::Believed => "0 to 1: visibility of the sample's light as believed by the pixel's cell",
             View::Visibility => "pale: lit by its sample; red: hidden; blue: no sample",
         }
     }

@@ -1,4 +1,4 @@
-//! How small acceleration structures get: queries of their compacted sizes.
+//! Compacted sizes of acceleration structures, queried.
 
 use super::Check;
 use super::device::Device;

@@ -1,4 +1,4 @@
-//! What the graphics pipeline draws into: two integers a pixel, with a depth that is reversed (0 is infinitely far).
+//! The target of the graphics pipeline: two integers a pixel, with reversed depth (0 is infinitely far).
 
 use super::Check;
 use super::buffer::Buffer;

@@ -1,4 +1,5 @@
-//! What a driver's compiler says of its pipelines: registers, spills, instructions (VK_KHR_pipeline_executable_properties).
+//! The driver's statistics of compiled pipelines: registers, spills, instructions
+//! (VK_KHR_pipeline_executable_properties).
 
 use super::Check;
 use super::pipeline::Pipeline;

@@ -1,4 +1,4 @@
-//! What a device can't exceed.
+//! Limits of a device.
 
 use super::physical::PhysicalDevice;
 use ash::vk;

@@ -1,4 +1,4 @@
-//! Memory of a device: what buffers and images are put in, and how much of it is used.
+//! Memory of a device: the allocator of buffers and images, and its use.
 
 use super::device::Device;
 use super::physical;

@@ -1,4 +1,4 @@
-//! Which device traces the rays: what each has, what it lacks, and the choice among them.
+//! Physical devices: their features, what they lack, and the choice among them.
 
 use super::Check;
 use crate::error::{Error, Result};

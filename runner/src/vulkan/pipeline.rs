@@ -1,4 +1,4 @@
-//! What all pipelines share (layout, constants, binding), and compute pipelines.
+//! Compute pipelines, and the parts that all pipelines share (layout, constants, binding).
 
 use super::Check;
 use super::descriptors::{DescriptorSet, PushSet, SetLayout};

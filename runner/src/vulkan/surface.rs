@@ -1,4 +1,4 @@
-//! What a window is to Vulkan.
+//! The Vulkan surface of a window.
 
 use super::Check;
 use super::device::Device;

@@ -1,4 +1,4 @@
-//! A top-level structure that changes from frame to frame, and a second one that keeps how it was.
+//! A top-level structure that changes from frame to frame, and a second one with its previous state.
 //!
 //! It is rebuilt, not refitted: a build over instances takes little more time and traces as fast as the first one.
 

@@ -31,8 +31,7 @@ impl Args for KnobArgs {
     fn augment_args(command: Command) -> Command {
         let settings =
             Arg::new(SETTINGS).long(SETTINGS).value_name("FILE").value_parser(value_parser!(PathBuf));
-        let command =
-            command.arg(settings.help("A JSON document of knobs; the options below change single ones"));
+        let command = command.arg(settings.help("JSON document of knobs; the options below override it"));
         knobs::ALL.iter().fold(command, |command, knob| command.args(options(knob)))
     }
 

@@ -1,5 +1,4 @@
-//! What can be said on the command line, with units, ranges and defaults: what commands share. The rest stands with each
-//! command.
+//! Options that commands share, with units, ranges and defaults. Each command has its own beside them.
 
 mod knobs;
 pub mod values;
@@ -39,22 +38,22 @@ pub struct Cli {
 
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Open a window on a scene (what happens without a command).
+    /// Show a scene in a window (the default command).
     View(ViewArgs),
     /// Render a picture with ReSTIR.
     Render(RenderArgs),
     /// Render the truth: every light of every pixel, without resampling.
     Reference(ReferenceArgs),
-    /// Say what a scene contains.
+    /// Print what a scene contains, and what is left out.
     Info(InfoArgs),
-    /// Say how far a picture is from the truth.
+    /// Compare a picture with the truth: error measures and heat maps.
     Compare(CompareArgs),
     /// Measure times and errors over scenes, lights and settings, and write a report.
     Sweep(SweepArgs),
-    /// Measure the least that a frame's rays and bytes take on this device.
+    /// Measure the least time that a frame's rays and bytes take on this device.
     #[command(alias = "floors")]
     Roofline(RooflineArgs),
-    /// Write the report of a sweep again, or the tables of a page.
+    /// Write the report of a sweep again, or fill the tables of a page.
     Report(ReportArgs),
     /// Write a scene for other programs: scene.json and PLY files (tools/mitsuba renders them with Mitsuba).
     Export(ExportArgs),
@@ -88,29 +87,29 @@ pub struct SceneArgs {
     /// Factor from the environment map's values to nit.
     #[arg(long, value_name = "S", default_value_t = 1.0, value_parser = positive, requires = "environment")]
     pub environment_scale: f32,
-    /// Turn the environment map about +Y, as a node would: from +Z to +X.
+    /// Turn the environment map about +Y, from +Z to +X.
     #[arg(long, value_name = "DEGREES", default_value_t = 0.0, allow_hyphen_values = true, value_parser = degrees, requires = "environment")]
     pub environment_rotation: f32,
-    /// Factor on what the scene's materials emit: files often mean a screen's white by 1, which is 1 nit.
+    /// Factor on the emission of materials: 1 in a file is 1 nit, though many files mean the white of a screen.
     #[arg(long, value_name = "S", default_value_t = 1.0, value_parser = positive)]
     pub emissive_scale: f32,
-    /// Give points and spots without one a radius, for soft shadows: points become spheres, spots disks, of the same flux.
+    /// Radius of points and spots that have none, for soft shadows: points become spheres, spots disks, with the same flux.
     #[arg(long, value_name = "METRES", value_parser = positive)]
     pub light_radius: Option<f32>,
 }
 
 #[derive(Args, Clone, Debug)]
 pub struct DeviceArgs {
-    /// Use the device whose name contains this, or the one with this number.
+    /// Vulkan device, by number or by a part of its name.
     #[arg(long)]
     pub device: Option<String>,
-    /// Switch the Vulkan validation layer on; any message is an error.
+    /// Enable the Vulkan validation layer; any message is an error.
     #[arg(long)]
     pub validate: bool,
-    /// Compile all pipelines anew, and keep none for the next start (also CANDELA_NO_PIPELINE_CACHE=1).
+    /// Neither read nor write the cache of compiled pipelines (also CANDELA_NO_PIPELINE_CACHE=1).
     #[arg(long)]
     pub no_pipeline_cache: bool,
-    /// Say on standard error how long each step from start to first frame takes.
+    /// Print the time of each step from start to first frame, on standard error.
     #[arg(long)]
     pub timings: bool,
 }
@@ -133,13 +132,13 @@ pub struct PictureArgs {
     /// Stops brighter (+) or darker (-) than the automatic exposure.
     #[arg(long, default_value_t = 0.0, allow_hyphen_values = true, value_parser = stops)]
     pub exposure: f32,
-    /// Write layers beside the picture, an .exr: its light in parts (diffuse, specular, emission), albedo, f0, normal, depth.
+    /// Add layers to the picture (.exr): diffuse, specular and emitted light, albedo, f0, normal, depth.
     #[arg(long)]
     pub layers: bool,
-    /// Pose the scene's animations at T seconds; of a sequence, the time of frame 0 [default: at rest; of a sequence 0].
+    /// Time of the scene's animations, in seconds; in a sequence, that of frame 0 [default: at rest; in a sequence 0].
     #[arg(long, value_name = "T", value_parser = time)]
     pub time: Option<f64>,
-    /// Look through this animated camera of the scene, by name or number.
+    /// Animated camera of the scene, by name or number.
     #[arg(long, value_name = "NAME", conflicts_with = "camera")]
     pub camera_path: Option<String>,
 }

@@ -1,6 +1,7 @@
 //! Fills the tables of a Markdown page from committed results.
 //!
-//! Between `<!-- results NAME.json -->` and `<!-- end -->` the page has what this module writes; the rest is its author's.
+//! Between `<!-- results NAME.json -->` and `<!-- end -->` the page has generated tables; the text around them is
+//! written by hand.
 
 use super::tables::{self, COLUMNS, Table};
 use super::{Group, html, read, verdict};
@@ -80,9 +81,7 @@ fn blocks(results: &Results, stem: &str, folder: &str) -> (String, Vec<Picture>)
         let _ = write!(text, "\n![{title}]({folder}/{name})\n");
         pictures.push((name, svg));
     };
-    let over_lights = html::over_lights(results);
-    let has_curves = !over_lights.is_empty();
-    for svg in over_lights {
+    for svg in html::over_lights(results) {
         plot(&mut text, "Over the number of lights", svg);
     }
     for group in Group::all(results) {
@@ -90,10 +89,9 @@ fn blocks(results: &Results, stem: &str, folder: &str) -> (String, Vec<Picture>)
         if let Some(unsettled) = group.unsettled() {
             let _ = write!(text, "\n{unsettled}\n");
         }
-        let curve = html::equal_time(&group);
-        // Long tables stand behind the curves that they support.
-        let folded = has_curves || curve.is_some();
-        if let Some(svg) = curve {
+        // Tables of errors stand behind curves and conclusions; tables of times are the result itself.
+        let folded = !plan.times_only;
+        if let Some(svg) = html::equal_time(&group) {
             plot(&mut text, "Error over time", svg);
         }
         let sentences = verdict::sentences(results, &group);

@@ -1,4 +1,4 @@
-//! What a sweep leaves behind: points.json, points.csv, report.html.
+//! Results of a sweep: points.json, points.csv, report.html.
 
 mod csv;
 mod html;

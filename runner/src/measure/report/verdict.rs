@@ -1,4 +1,4 @@
-//! Does reuse pay? How long each arm takes to an error, beside arms that reuse nothing.
+//! Whether reuse pays: the time of each arm to an error, compared with arms without reuse.
 
 use super::{Group, significant};
 use crate::measure::sweep::point::CurvePoint;

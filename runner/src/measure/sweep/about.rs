@@ -1,4 +1,4 @@
-//! Where and with what results were measured.
+//! The device, program and commit that results were measured with.
 
 use crate::shader_library;
 use crate::vulkan::DeviceInfo;

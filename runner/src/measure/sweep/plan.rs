@@ -192,7 +192,7 @@ impl Plan {
         }
         // Results are JSON, which has no others.
         if !self.numbers().all(f64::is_finite) {
-            return Err("inf and nan are no numbers of a plan".into());
+            return Err("a plan can't have inf or nan".into());
         }
         self.steady.check()?;
         if self.times_only && self.accumulate.is_some() {

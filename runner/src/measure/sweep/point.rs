@@ -1,4 +1,4 @@
-//! One point of a sweep: its times, its errors, what accumulation makes of it.
+//! One point of a sweep: its times, its errors, and those of its accumulated mean.
 
 use super::pictures;
 use super::plan::Plan;

@@ -1,4 +1,5 @@
-//! When timing may start: once the time of a frame stands still. A device at rest has a slow clock, and the first frames of a
+//! Warm-up before timing: until frame times have stabilized. A device at rest has a slow clock, and the first
+//! frames of a
 //! pipeline fill caches.
 
 use crate::measure::times::median;

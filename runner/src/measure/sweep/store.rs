@@ -1,4 +1,4 @@
-//! What outlives a sweep: finished points and references, each under the hash of everything that defines it.
+//! The cache of a sweep: finished points and references, each under the hash of all that defines it.
 
 use super::point::Measurement;
 use super::truth::Truth;

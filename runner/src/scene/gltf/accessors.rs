@@ -1,4 +1,4 @@
-//! Accessors -> numbers. Nothing of what an accessor asks for is taken for granted.
+//! Accessors -> numbers. Every offset and count of a file is checked.
 
 use super::Reason;
 use gltf::accessor::sparse::{IndexType, Sparse};

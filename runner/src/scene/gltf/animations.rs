@@ -78,7 +78,7 @@ pub fn read(
     Motion { animation: Animation { morphs: morph_tracks, ..animation }, of_placed, morphs }
 }
 
-const TAKEN: &str = "another channel moves the same already, so is not played";
+const TAKEN: &str = "not played: another channel moves the same property";
 
 /// Keeps the nodes that move by themselves or with a parent; the worlds of all others are folded into them.
 fn motion(nodes: &[Placed], origin: DVec3, curves: Vec<(usize, Curve)>) -> Motion {
@@ -176,7 +176,8 @@ fn curve(
                 // Tangents of a spline may be anything.
                 if !cubic || i % 3 == 1 {
                     let key = if cubic { i / 3 } else { i };
-                    *value = value.try_normalize().ok_or_else(|| format!("key {key}: 0 is no rotation"))?;
+                    *value =
+                        value.try_normalize().ok_or_else(|| format!("key {key}: 0 is not a rotation"))?;
                 }
             }
             Curve::Rotation(track)
@@ -188,7 +189,7 @@ fn curve(
 /// Are there equal ones? Errors: those that are no times, or not in order.
 fn check_times(times: &[f32]) -> Reason<bool> {
     if let Some(key) = times.iter().position(|t| !(t.is_finite() && *t >= 0.0)) {
-        return Err(format!("key {key}: {} s is no time", times[key]));
+        return Err(format!("key {key}: {} s is not a time", times[key]));
     }
     match times.windows(2).position(|pair| pair[1] < pair[0]) {
         None => Ok(times.windows(2).any(|pair| pair[1] == pair[0])),
@@ -211,6 +212,6 @@ fn track<T>(
     }
     match values.iter().position(|value| !is_finite(value)) {
         None => Ok(Track { interpolation, times, values }),
-        Some(i) => Err(format!("key {}: its value is infinite or no number", i / of_key)),
+        Some(i) => Err(format!("key {}: its value is not finite", i / of_key)),
     }
 }

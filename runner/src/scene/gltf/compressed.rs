@@ -1,4 +1,4 @@
-//! Buffer views that are compressed -> views of buffers that are not.
+//! Compressed buffer views -> plain ones.
 
 use super::meshopt::{self, FILTERS, Filter, Layout, MODES, Mode};
 use super::shape::Mender;

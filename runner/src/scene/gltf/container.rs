@@ -13,7 +13,7 @@ pub fn open(bytes: &[u8]) -> Reason<(Value, Option<&[u8]>)> {
     let (text, chunk) = match bytes.strip_prefix(b"glTF") {
         Some(rest) => chunks(rest)?,
         None if bytes.trim_ascii_start().starts_with(b"{") => (bytes, None),
-        None => return Err("no glTF: neither JSON nor binary glTF (wrong magic)".into()),
+        None => return Err("not glTF: neither JSON nor binary glTF (wrong magic)".into()),
     };
     // Some exporters pad with zeros instead of spaces, and some write names in an encoding of their own.
     let text = String::from_utf8_lossy(text);
@@ -63,10 +63,10 @@ fn check_version(json: &Value) -> Reason<()> {
         // Minor versions stay readable, unless `minVersion` says otherwise.
         Some(version) if version.starts_with("2.") && text("minVersion").is_none() => Ok(()),
         Some(version) => Err(only_version_2(&version)),
-        None => Err("no glTF: JSON without the version of an asset".into()),
+        None => Err("not glTF: JSON without the version of an asset".into()),
     }
 }
 
 fn only_version_2(version: &str) -> String {
-    format!("glTF version {version}; only 2.0 can be read: convert it, or export it anew")
+    format!("glTF version {version}; only 2.0 can be read: convert the file, or export it again")
 }

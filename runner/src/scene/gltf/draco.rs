@@ -1,4 +1,4 @@
-//! Primitives that are compressed (KHR_draco_mesh_compression).
+//! Compressed primitives (KHR_draco_mesh_compression).
 
 use super::{Reason, accessors};
 use draco_core::{DecodeLimits, DecoderBuffer, Mesh, MeshDecoder};

@@ -1,4 +1,4 @@
-//! The extensions of glTF, and what this loader makes of each: the one list of them.
+//! The extensions of glTF, and how this loader treats each.
 
 use super::Reason;
 use super::warnings::Warnings;

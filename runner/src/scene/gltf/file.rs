@@ -1,4 +1,4 @@
-//! The bytes of a .gltf or .glb file -> a document that is sound, and its buffers.
+//! The bytes of a .gltf or .glb file -> a valid document, and its buffers.
 
 use super::shape::{Kind, Mender, Shape};
 use super::warnings::Warnings;
@@ -124,7 +124,7 @@ fn add_scene(root: &mut Map<String, Value>, warnings: &mut Warnings) {
     let children = nodes.iter().filter_map(|node| node.get("children")?.as_array()).flatten();
     let children: HashSet<u64> = children.filter_map(Value::as_u64).collect();
     let parentless: Vec<u64> = (0..nodes.len() as u64).filter(|node| !children.contains(node)).collect();
-    warnings.add("no scene in the file, so all of it is drawn", &format!("{} nodes", nodes.len()));
+    warnings.add("the file has no scene: all of its nodes are drawn", &format!("{} nodes", nodes.len()));
     root.insert("scenes".into(), json!([{"nodes": parentless}]));
 }
 

@@ -53,7 +53,7 @@ pub fn read(
     let decoded = draco::decode(source.document, primitive, source.buffers)?;
     let attributes = Attributes { primitive, label, source, decoded: decoded.as_ref() };
     let Some(mut mesh) = attributes.read(&wear.uv_sets, warnings)? else {
-        warnings.add("without positions, so left out", label);
+        warnings.add("left out: no positions", label);
         return Ok(None);
     };
     mesh.material = wear.material;
@@ -69,7 +69,7 @@ pub fn read(
     mesh.indices = triangles(mode, &corners);
     let dropped = drop_infinite(&mut mesh);
     if dropped > 0 {
-        warnings.count("triangles with a vertex that is infinite or no number are left out", label, dropped);
+        warnings.count("triangles with a vertex that is not finite are left out", label, dropped);
     }
     // Morph targets may unfold them.
     let dropped = if mesh.bends.targets.is_empty() { drop_degenerate(&mut mesh) } else { 0 };
@@ -92,7 +92,7 @@ pub fn read(
 fn finish_texture_space(primitive: &mut Primitive, label: &str, wear: &Wear, warnings: &mut Warnings) {
     let lacks = primitive.uvs.is_empty() || wear.uv_sets.len() > 1 && primitive.second_uvs.is_empty();
     if wear.has_textures && lacks {
-        warnings.add("textured, but without texture coordinates: every point reads one texel", label);
+        warnings.add("textured without texture coordinates: one texel colors the whole primitive", label);
     }
     let Some(map) = wear.normal_map.filter(|_| primitive.tangents.is_empty()) else { return };
     let uvs = if map.set == 0 { &primitive.uvs } else { &primitive.second_uvs };
@@ -192,7 +192,7 @@ impl Attributes<'_> {
         };
         let many = primitive.morph_targets().len().saturating_mul(count) > MAX_DELTAS;
         if many {
-            warnings.add("too many morph targets, so none is used", label);
+            warnings.add("too many morph targets: none is used", label);
         }
         let targets = primitive.morph_targets().enumerate().filter(|_| !many).map(|(i, of)| {
             target(of).unwrap_or_else(|reason| {
@@ -281,7 +281,7 @@ fn triangles(mode: Mode, corners: &[u32]) -> Vec<u32> {
     }
 }
 
-/// Removes the triangles with a corner where an attribute is infinite or no number, and tells how many. Directions are
+/// Removes the triangles with a corner where an attribute is not finite, and tells how many. Directions are
 /// mended instead.
 fn drop_infinite(mesh: &mut Primitive) -> usize {
     let mut sound = vec![true; mesh.positions.len()];

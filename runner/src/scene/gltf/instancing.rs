@@ -58,7 +58,7 @@ pub fn copies(document: &Document, node: &Node, buffers: &[Vec<u8>]) -> Reason<V
     };
     let copies: Vec<DAffine3> = (0..count).map(copy).collect();
     match copies.iter().position(|copy| !copy.is_finite()) {
-        Some(i) => Err(named(format!("copy {i} is at no place"))),
+        Some(i) => Err(named(format!("copy {i} has no finite transform"))),
         None => Ok(copies),
     }
 }

@@ -42,7 +42,7 @@ pub fn decode(bytes: &[u8]) -> Reason<Vec<u8>> {
 }
 
 fn transcode(bytes: &[u8]) -> Reason<Vec<u8>> {
-    let other = "KTX2 of no kind that KHR_texture_basisu has: ETC1S or UASTC";
+    let other = "KTX2 that is neither ETC1S nor UASTC, as KHR_texture_basisu requires";
     let texture = Transcoder::new(bytes).map_err(|_| other.to_owned())?;
     if !matches!(texture.source_format(), SourceFormat::Etc1s | SourceFormat::UastcLdr) {
         return Err(other.into());

@@ -238,8 +238,7 @@ impl Materials {
         warnings: &mut Warnings,
     ) -> Reason<Material> {
         if source.occlusion_texture().is_some() {
-            let text =
-                "occlusion textures are not read, as they darken indirect light and all light here is direct";
+            let text = "occlusion textures are not read: they approximate the darkening of indirect light";
             warnings.add(text, label);
         }
         let mut texture = |reference: &Option<Reference>| match reference {
@@ -282,7 +281,7 @@ impl Materials {
                 Vec3::from(source.emissive_factor()) * source.emissive_strength().unwrap_or(1.0);
         }
         if material.emission != Vec3::ZERO && material.alpha != AlphaMode::Opaque {
-            warnings.add("emissive and not opaque: as a light it shines where it is transparent too", label);
+            warnings.add("emissive and not opaque: its light comes from transparent parts too", label);
         }
         restrict(material)
     }
@@ -370,7 +369,7 @@ fn restrict(mut material: Material) -> Reason<Material> {
         return Err("the transform of a texture is infinite".into());
     }
     if !material.specular.is_finite() {
-        return Err("its index of refraction makes no sense".into());
+        return Err("its index of refraction is invalid".into());
     }
     material.specular = material.specular.clamp(Vec3::ZERO, Vec3::ONE);
     material.base_color = material.base_color.clamp(Vec4::ZERO, Vec4::ONE);

@@ -159,7 +159,7 @@ impl Loader<'_> {
         let moving = moving.filter(|_| placed.node.skin().is_none());
         // What moves may grow later.
         if !placed.has_area() && moving.is_none() {
-            self.warnings.add("scaled to nothing, so left out", &placed.label);
+            self.warnings.add("left out: its scale is 0", &placed.label);
             return Ok(());
         }
         for &copy in &placed.copies {
@@ -294,7 +294,7 @@ impl Loader<'_> {
         primitives.for_each(|primitive| primitive.bends = Bends::default());
         self.scene.bend(None);
         if self.scene.bends() {
-            let text = "skins and morph targets bend in stills (--time T); sequences and the viewer show their first shape";
+            let text = "skins and morph targets deform in stills (--time T); sequences and the viewer keep their first shape";
             self.warnings.add(text, &format!("{} meshes", self.scene.deformed.len()));
         }
         let lights = lights::most(&self.scene);

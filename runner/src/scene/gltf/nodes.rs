@@ -1,4 +1,4 @@
-//! The node hierarchy -> what stands where in the world.
+//! The node hierarchy -> instances, cameras and lights in world space.
 
 use super::warnings::Warnings;
 use super::{Reason, label};
@@ -59,7 +59,7 @@ pub fn place<'a>(document: &'a Document, broken: &HashMap<usize, String>) -> Rea
         let local = local_transform(node.transform()).map_err(|reason| format!("{label}: {reason}"))?;
         let world = parent.map_or(DAffine3::IDENTITY, |p: usize| placed[p].world) * local.affine();
         if !world.as_affine3a().is_finite() {
-            return Err(format!("{label}: its transform to the world is infinite or no number"));
+            return Err(format!("{label}: its transform to the world is not finite"));
         }
         let children: Vec<Node> = node.children().collect();
         open.extend(children.into_iter().rev().map(|child| (child, Some(placed.len()))));
@@ -81,7 +81,7 @@ fn local_transform(transform: Transform) -> Reason<Local> {
         Transform::Matrix { matrix } => {
             let matrix = DMat4::from_cols_array_2d(&matrix.map(|column| column.map(f64::from)));
             if !matrix.is_finite() {
-                return Err("its matrix has an element that is infinite or no number".into());
+                return Err("its matrix has an element that is not finite".into());
             }
             let row = matrix.row(3);
             if (row - glam::DVec4::W).abs().max_element() > 1e-5 {
@@ -92,7 +92,7 @@ fn local_transform(transform: Transform) -> Reason<Local> {
         Transform::Decomposed { translation, rotation, scale } => {
             let rotation = DQuat::from_array(rotation.map(f64::from));
             if !(rotation.is_finite() && rotation.length_squared() > 0.0) {
-                return Err(format!("{rotation} is no rotation"));
+                return Err(format!("{rotation} is not a rotation"));
             }
             let [translation, scale] = [translation, scale].map(|v| DVec3::from_array(v.map(f64::from)));
             Ok(Local::Trs { translation, rotation: rotation.normalize(), scale })
@@ -157,14 +157,14 @@ impl Placed<'_> {
         // It shines along -z.
         let axis = -self.world.matrix3.z_axis.normalize_or_zero().as_vec3();
         if axis == Vec3::ZERO && !matches!(light.kind(), Kind::Point) {
-            warnings.add("a light scaled to nothing shines nowhere, so is left out", &self.label);
+            warnings.add("a light with a scale of 0 is left out", &self.label);
             return None;
         }
         let radius = radius_of(light.extras()).or(radius_of(self.node.extras())).unwrap_or(0.0);
         let possible = (0.0..=MAX_RADIUS).contains(&radius);
         if !possible {
             let label = format!("{}: {radius}", self.label);
-            warnings.add("a light with an impossible radius is a point", &label);
+            warnings.add("a light with an invalid radius becomes a point", &label);
         }
         let radius = if possible { radius } else { 0.0 };
         scene.lights.push(match light.kind() {

@@ -1,4 +1,4 @@
-//! Things far from zero: f32 has few digits left there, so positions are kept relative to a point among them.
+//! The origin of a scene: positions far from zero lose digits in f32, so they are kept relative to a point among them.
 
 use crate::scene::Primitive;
 use glam::{DVec3, Vec3};

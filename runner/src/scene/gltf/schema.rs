@@ -1,4 +1,4 @@
-//! What this loader reads of a file's JSON (glTF 2.0, chapter 5, and extensions), as [`Shape`]s.
+//! The properties that this loader reads of a file's JSON (glTF 2.0, chapter 5, and extensions), as [`Shape`]s.
 
 use super::shape::{Field, Kind, Need, Shape};
 use Kind::{

@@ -1,7 +1,9 @@
-//! What the JSON of a file must look like, and the mending of what does not.
+//! Shapes of JSON values, and the repair of values that lack them.
 //!
-//! The gltf crate takes a file's word for much (indices, codes, what must be there) and refuses all of it for any fault. So
-//! what is read is copied out first, property by property: what is not as it must be goes, with a warning, or breaks the
+//! The gltf crate takes a file's word for much (indices, codes, what must be there) and refuses all of it for any
+//! fault. So
+//! what is read is copied out first, property by property: what is not as it must be goes, with a warning, or
+//! breaks the
 //! thing that can't be without. A broken thing is an error where it is drawn, and nowhere else.
 
 use super::warnings::Warnings;
@@ -177,7 +179,7 @@ impl<'w> Mender<'w> {
             Shape::Whole(most) => {
                 *value = whole(value)
                     .filter(|&n| n <= most)
-                    .ok_or_else(|| format!("{} is no whole number up to {most}", shown(value)))?
+                    .ok_or_else(|| format!("{} is not a whole number up to {most}", shown(value)))?
                     .into();
                 Ok(())
             }
@@ -205,13 +207,13 @@ impl<'w> Mender<'w> {
                 }
             }
             Shape::List(element) => {
-                let list = value.as_array_mut().ok_or("it is no list")?;
+                let list = value.as_array_mut().ok_or("it is not a list")?;
                 let mut elements = list.iter_mut().enumerate();
                 elements
                     .try_for_each(|(i, value)| self.mend(value, element, at).map_err(|r| format!("{i}: {r}")))
             }
             Shape::Loose(element) => {
-                let list = value.as_array_mut().ok_or("it is no list")?;
+                let list = value.as_array_mut().ok_or("it is not a list")?;
                 for (i, mut value) in std::mem::take(list).into_iter().enumerate() {
                     match self.mend(&mut value, element, at) {
                         Ok(()) => list.push(value),
@@ -239,7 +241,7 @@ impl<'w> Mender<'w> {
     }
 
     fn mend_index(&self, value: &mut Value, kind: Kind) -> Reason<usize> {
-        let Some(index) = whole(value) else { return Err(format!("{} is no index", shown(value))) };
+        let Some(index) = whole(value) else { return Err(format!("{} is not an index", shown(value))) };
         let count = self.known.get(&kind).map_or(0, |known| known.count);
         if index >= count as u64 {
             return Err(format!("{} {index} of {count} does not exist", kind.name()));
@@ -249,7 +251,7 @@ impl<'w> Mender<'w> {
     }
 
     fn mend_table(&mut self, value: &mut Value, kind: Kind, element: &Shape) -> Reason<()> {
-        let list = value.as_array_mut().ok_or("it is no list")?;
+        let list = value.as_array_mut().ok_or("it is not a list")?;
         // Things may name others of their own kind.
         self.count(kind, list.len());
         for (i, value) in list.iter_mut().enumerate() {
@@ -305,12 +307,12 @@ impl<'w> Mender<'w> {
     }
 
     pub fn ignore(&mut self, what: &str) {
-        self.warnings.add("can't be read, so ignored", what);
+        self.warnings.add("ignored as unreadable", what);
     }
 }
 
 fn object(value: &mut Value) -> Reason<&mut Map<String, Value>> {
-    value.as_object_mut().ok_or_else(|| "it is no object".into())
+    value.as_object_mut().ok_or_else(|| "it is not an object".into())
 }
 
 fn json(text: &str) -> Reason<Value> {
@@ -384,7 +386,7 @@ mod tests {
             mended(json!({"lamps": [{"name": 7, "watt": 5, "color": [1, 0]}], "others": [0, 3, "x"]}));
         let lamp = json!({"watt": 5, "color": [1, 1, 1]});
         assert_eq!((result, value), (Ok(()), json!({"lamps": [lamp], "others": [0]})));
-        let line = "can't be read, so ignored: light 0: name: 7 is not a text, light 0: color: a list of 2 is not a list of 3 \
+        let line = "ignored as unreadable: light 0: name: 7 is not a text, light 0: color: a list of 2 is not a list of 3 \
                     numbers, house, 1: light 3 of 1 does not exist and 1 more";
         assert_eq!(warnings, [line]);
     }
@@ -398,7 +400,7 @@ mod tests {
         assert_eq!(lit(1).0, Err("light 1: it has no watt".into()));
         assert_eq!(lit(2).0, Err("light 2: kind: \"sun\" is not one of tube, bulb".into()));
         assert_eq!(lit(3).0, Err("light 3 of 3 does not exist".into()));
-        assert_eq!(mended(json!({"lamps": {}})).0, Err("lamps: it is no list".into()));
-        assert_eq!(mended(json!([])).0, Err("it is no object".into()));
+        assert_eq!(mended(json!({"lamps": {}})).0, Err("lamps: it is not a list".into()));
+        assert_eq!(mended(json!([])).0, Err("it is not an object".into()));
     }
 }

@@ -1,4 +1,4 @@
-//! What bends the mesh of a node: its skin, and the weights of its morph targets.
+//! Deformation of a node's mesh: its skin, and the weights of its morph targets.
 
 use super::accessors::{self, Integers};
 use super::nodes::Placed;
@@ -69,7 +69,7 @@ fn read(skin: &gltf::Skin, joints: &Joints, buffers: &[Vec<u8>]) -> Reason<Vec<J
         if inverse_bind.is_finite() {
             Ok(Joint { place, inverse_bind })
         } else {
-            Err(format!("the inverse bind matrix of joint {i} is infinite or no number"))
+            Err(format!("the inverse bind matrix of joint {i} is not finite"))
         }
     };
     skin.joints().enumerate().map(joint).collect::<Reason<_>>().map_err(&named)

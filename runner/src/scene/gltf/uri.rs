@@ -1,4 +1,4 @@
-//! What a glTF URI points to: a file beside the scene or data in the URI itself.
+//! URIs of glTF: a file beside the scene, or data in the URI itself.
 
 use super::Reason;
 use crate::files;

@@ -1,4 +1,4 @@
-//! Warnings, collected so that a thousand alike make one line.
+//! Warnings, collected: equal ones share a line with their count.
 
 use std::collections::HashSet;
 

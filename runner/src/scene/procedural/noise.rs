@@ -1,4 +1,4 @@
-//! Noise and square images of it: what textures of generated scenes are made of.
+//! Noise, and square images of it for textures of generated scenes.
 
 use crate::scene::{Filter, Image, Texture, Wrap};
 use glam::{Vec2, Vec3};

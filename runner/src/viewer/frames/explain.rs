@@ -26,7 +26,7 @@ impl Frames {
         let right = state.is_right(pixel);
         let reference = if right { state.split == Split::Reference } else { state.view == View::Reference };
         if reference {
-            return Err(Error::Usage("this pixel shows the reference, which resamples nothing".into()));
+            return Err(Error::Usage("this pixel shows the reference, which does not resample".into()));
         }
         let side = usize::from(right && state.split == Split::Settings);
         let options = self.options_of(state, side, self.exposure(state));

@@ -1,5 +1,4 @@
-//! What is rendered for the window: a scene, one history of frames, or two side by side, and the reference where it is asked
-//! for.
+//! Rendering for the window: a scene, one history of frames or two side by side, and the reference if needed.
 
 mod explain;
 mod side;

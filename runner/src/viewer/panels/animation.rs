@@ -31,7 +31,7 @@ pub fn show(ui: &mut Ui, state: &mut State, actions: &mut Vec<Action>) {
     ui.add(speed.text("Speed")).on_hover_text("Seconds of the scene a second");
     if state.camera_moves() {
         let mut follow = state.follow;
-        let about = "The camera goes where the file's goes; a drag takes it back (Y)";
+        let about = "Follow the animated camera of the file; a drag ends it (Y)";
         if ui.checkbox(&mut follow, "Follow the file's camera").on_hover_text(about).changed() {
             commands.push(Command::Follow);
         }

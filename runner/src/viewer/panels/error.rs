@@ -1,4 +1,4 @@
-//! The point of speed against error that is on screen, and the way of the mean to it.
+//! The plot of error over time: the picture on screen, and the past of the mean.
 
 use super::Info;
 use crate::viewer::state::State;
@@ -62,7 +62,7 @@ fn plot(ui: &mut Ui, trail: &[Point], now: Point) {
     let line: Vec<Pos2> = trail.iter().map(|&point| place(rect, point)).collect();
     painter.line(line, Stroke::new(1.5, TRAIL));
     painter.circle_filled(place(rect, now), 4.0, POINT);
-    response.on_hover_text("Right: time of the device, 0.1 ms to 1000 s. Up: relative RMSE, 0.0001 to 10. A line a decade. The dot is what is on screen; the line is the mean's way there (Accumulate).");
+    response.on_hover_text("Right: time of the device, 0.1 ms to 1000 s. Up: relative RMSE, 0.0001 to 10. A line a decade. The dot is the picture on screen; the line is the past of the mean (Accumulate).");
 }
 
 /// Where a point is drawn; what lies outside is drawn at the edge.

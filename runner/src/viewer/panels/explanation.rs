@@ -1,4 +1,4 @@
-//! What `candela explain` says of the picked pixel.
+//! The explanation of the picked pixel.
 
 use super::Info;
 use crate::viewer::input::Command;

@@ -15,7 +15,7 @@ pub fn show(ui: &mut Ui, state: &mut State, actions: &mut Vec<Action>) {
                 commands.push(Command::Preset(preset));
             }
         }
-        if ui.button("Reset").on_hover_text("All knobs as at the start").clicked() {
+        if ui.button("Reset").on_hover_text("Reset all knobs").clicked() {
             commands.push(Command::Reset);
         }
     });

@@ -1,4 +1,4 @@
-//! What has happened, and what is being loaded.
+//! Messages and the progress of loading.
 
 use super::Info;
 use egui::{Color32, Panel, RichText, Ui};

@@ -1,4 +1,4 @@
-//! What is shown, and how.
+//! The picture: view, exposure, split, accumulation.
 
 use super::Info;
 use crate::viewer::input::Command;

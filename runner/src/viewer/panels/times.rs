@@ -1,4 +1,4 @@
-//! Where the time of a frame goes, and the memory.
+//! GPU times of the passes, and memory.
 
 use super::Info;
 use crate::viewer::timings::Summary;
@@ -9,7 +9,7 @@ pub fn show(ui: &mut Ui, info: &Info) {
     let timings = &info.readings.timings;
     match timings.frame() {
         None => {
-            ui.label("No times: none yet, or this device has no clock.");
+            ui.label("No times yet, or this device has no timestamps.");
         }
         Some(frame) => {
             row(ui, ["ms", "median", "95 %"].map(String::from), 0.0);
@@ -43,7 +43,7 @@ fn rays(ui: &mut Ui, info: &Info, frame: Option<Summary>) {
     };
     ui.label(format!("at most {a_pixel} rays a pixel, {} a frame{a_second}", thousands(a_frame as f64)))
         .on_hover_text(
-            "What the settings allow. Fewer are traced where nothing is hit, or where a sample's visibility is known.",
+            "An upper bound by the settings. Fewer are traced where nothing is hit, or where visibility is known.",
         );
 }
 

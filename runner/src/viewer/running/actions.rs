@@ -1,4 +1,4 @@
-//! What a user asks for beyond the state.
+//! Actions of the user beyond the state: load, save, close.
 
 use super::{Running, SceneFacts, title};
 use crate::error::{Error, Result};

@@ -1,4 +1,4 @@
-//! What a script does and expects, for tests.
+//! Steps and expectations of a script, for tests.
 
 use super::Running;
 use crate::error::{Error, Result};

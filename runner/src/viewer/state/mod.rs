@@ -1,4 +1,4 @@
-//! All that a user can change, and how input changes it. No window, no device.
+//! The state that a user can change, and its changes by input. No window, no device.
 
 mod motion;
 mod pointer;

@@ -1,4 +1,4 @@
-//! What moves by itself or by held keys: the camera and the scene's time.
+//! Motion by held keys and by playing: the camera and the scene's time.
 
 use super::State;
 use crate::scene::SceneCamera;

@@ -1,4 +1,4 @@
-//! Filters (appendix B): what the elements of a decoded stream stand for.
+//! Filters (appendix B): from elements of a decoded stream to attributes.
 
 use super::Filter;
 use std::f32::consts::FRAC_1_SQRT_2;

@@ -91,7 +91,7 @@ fn of_two_channels_for_one_property_the_first_is_played() {
     assert_eq!(scene.animation.channels.len(), 1);
     assert_eq!(
         scene.warnings,
-        ["another channel moves the same already, so is not played: animation 0 'Go', channel 1"]
+        ["not played: another channel moves the same property: animation 0 'Go', channel 1"]
     );
 }
 
@@ -128,8 +128,16 @@ fn faults_are_named_and_not_played() {
             "VEC3",
             "key 2 at 1 s comes before key 1 at 2 s",
         ),
-        ("translation", "STEP", vec![0.0, f32::NAN, 1.0], three(), 5126, "VEC3", "key 1: NaN s is no time"),
-        ("translation", "STEP", vec![-1.0, 0.0, 1.0], three(), 5126, "VEC3", "key 0: -1 s is no time"),
+        (
+            "translation",
+            "STEP",
+            vec![0.0, f32::NAN, 1.0],
+            three(),
+            5126,
+            "VEC3",
+            "key 1: NaN s is not a time",
+        ),
+        ("translation", "STEP", vec![-1.0, 0.0, 1.0], three(), 5126, "VEC3", "key 0: -1 s is not a time"),
         ("scale", "LINEAR", vec![0.0, 1.0], three(), 5126, "VEC3", "3 values for 2 keys"),
         (
             "scale",
@@ -149,7 +157,7 @@ fn faults_are_named_and_not_played() {
             "VEC3",
             "key 0: its value is infinite",
         ),
-        ("rotation", "STEP", vec![0.0], floats(&[0.0; 4]), 5126, "VEC4", "key 0: 0 is no rotation"),
+        ("rotation", "STEP", vec![0.0], floats(&[0.0; 4]), 5126, "VEC4", "key 0: 0 is not a rotation"),
         ("rotation", "STEP", vec![0.0], three()[..12].to_vec(), 5126, "VEC3", "values: accessor"),
     ];
     for (path, interpolation, times, values, component, kind, fault) in faults {
@@ -231,10 +239,10 @@ fn channels_that_can_not_be_read_go_alone() {
         (Box::new(target(json!({"node": 77, "path": "scale"}))), "node 77 of 3 does not exist"),
         (
             Box::new(|file| _ = push(&mut file.json["animations"][0]["channels"], json!(null))),
-            "it is no object",
+            "it is not an object",
         ),
         (Box::new(sampler("input", json!(77))), "accessor 77 of"),
-        (Box::new(sampler("output", json!(-1))), "-1 is no index"),
+        (Box::new(sampler("output", json!(-1))), "-1 is not an index"),
         (Box::new(sampler("interpolation", json!("SMOOTH"))), "\"SMOOTH\" is not one of LINEAR"),
     ];
     for (change, fault) in changes {
@@ -244,7 +252,7 @@ fn channels_that_can_not_be_read_go_alone() {
         assert_eq!(scene.animation.channels.len(), 1, "{fault}");
         let [line] = &scene.warnings[..] else { panic!("{:?}", scene.warnings) };
         assert!(
-            line.starts_with("can't be read, so ignored: animation 0 'Go', 1: ") && line.contains(fault),
+            line.starts_with("ignored as unreadable: animation 0 'Go', 1: ") && line.contains(fault),
             "{line}"
         );
     }

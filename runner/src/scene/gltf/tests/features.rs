@@ -57,7 +57,7 @@ fn nodes_scaled_to_nothing_are_left_out() {
     push(&mut file.json["nodes"], json!({"mesh": 0, "scale": [0, 0, 1], "name": "hidden"}));
     let scene = file.load().unwrap();
     assert_eq!(scene.instances.len(), 1);
-    assert_eq!(scene.warnings, ["scaled to nothing, so left out: node 1 'hidden'"]);
+    assert_eq!(scene.warnings, ["left out: its scale is 0: node 1 'hidden'"]);
 }
 
 #[test]
@@ -238,7 +238,7 @@ fn lights_may_have_a_radius() {
     assert_eq!(scene.lights.iter().map(radius).collect::<Vec<_>>(), [0.25, 0.5, 0.125, 0.0, 0.0]);
     let [warning] = &scene.warnings[..] else { panic!("{:?}", scene.warnings) };
     assert!(
-        warning.contains("impossible radius") && warning.contains("node 5") && warning.contains("-1"),
+        warning.contains("invalid radius") && warning.contains("node 5") && warning.contains("-1"),
         "{warning}"
     );
     let mut soft = scene;

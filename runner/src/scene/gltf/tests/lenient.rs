@@ -58,10 +58,10 @@ fn things_that_nobody_draws() {
         push(&mut f.json["nodes"], json!({"mesh": 1}));
     });
     let named = |f: &mut File| f.json["nodes"][0]["name"] = json!(7);
-    warned(named, &["can't be read, so ignored: node 0: name: 7 is not a text"]);
+    warned(named, &["ignored as unreadable: node 0: name: 7 is not a text"]);
     let dangling = |f: &mut File| f.json["nodes"][0]["camera"] = json!(0);
     warned(dangling, &["node 0 'quad': camera: camera 0 of 0 does not exist"]);
-    warned(|f| f.json["animations"] = json!({}), &["animations: it is no list"]);
+    warned(|f| f.json["animations"] = json!({}), &["animations: it is not a list"]);
 }
 
 #[test]
@@ -79,7 +79,7 @@ fn files_without_a_scene_are_drawn_whole() {
         f.json["scene"] = Value::Null;
         f.json["nodes"] = json!([{"mesh": 0}, {"children": [0]}]);
     };
-    warned(change, &["no scene in the file, so all of it is drawn: 2 nodes"]);
+    warned(change, &["the file has no scene: all of its nodes are drawn: 2 nodes"]);
     let empty = |f: &mut File| {
         f.json["scene"] = json!(1);
         f.json["scenes"] = json!([{}, {"nodes": [0]}]);
@@ -153,7 +153,7 @@ fn broken_vertices_take_only_their_triangles() {
         assert_eq!(scene.triangle_count(), 1);
         assert_eq!(
             scene.warnings,
-            ["1 triangles with a vertex that is infinite or no number are left out: mesh 0, primitive 0"]
+            ["1 triangles with a vertex that is not finite are left out: mesh 0, primitive 0"]
         );
         let p = &scene.meshes[0].primitives[0];
         assert_eq!(p.positions.len(), 3);

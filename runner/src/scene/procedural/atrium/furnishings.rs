@@ -1,4 +1,4 @@
-//! What stands in the hall: vases, the fountain, urns, planters.
+//! Furnishings of the hall: vases, the fountain, urns, planters.
 
 use super::materials::{Finish, Part};
 use super::plan::{HALF_LENGTH, NAVE, WALL, bay_centers, column_lines};

@@ -1,4 +1,4 @@
-//! What the hall is made of.
+//! Materials of the hall.
 
 use super::textures::{ASHLAR, MARBLE, WOOD};
 use crate::scene::Material;

@@ -1,4 +1,4 @@
-//! The scene that needs no file: a two-storey arcaded hall, made on the spot.
+//! The atrium: a two-storey arcaded hall, generated.
 
 mod arcade;
 mod columns;

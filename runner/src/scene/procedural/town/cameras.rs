@@ -1,4 +1,4 @@
-//! Where the town is looked at from.
+//! Cameras of the town.
 
 use super::plan::{KERB, Plan};
 use super::{room, traffic};

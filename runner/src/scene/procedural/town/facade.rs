@@ -1,4 +1,4 @@
-//! Walls with windows, doors and shops: what houses are made of.
+//! Facades of houses: walls with windows, doors and shops.
 
 use super::materials::{Finish, Part};
 use crate::scene::procedural::shapes::{Shape, cuboid, polygon};

@@ -1,4 +1,4 @@
-//! Lit windows: which panes of a house shine, and how many houses are awake.
+//! Lit windows: the panes of a house that shine, and the number of houses with light.
 
 use super::dice::Dice;
 use super::facade::Pane;

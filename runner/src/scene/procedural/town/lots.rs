@@ -1,4 +1,4 @@
-//! Which house stands where: rows along the sides of the blocks.
+//! Positions of houses: rows along the sides of the blocks.
 
 use super::dice::Dice;
 use super::houses::{BAY, DEPTH, House};

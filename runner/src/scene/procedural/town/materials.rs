@@ -1,4 +1,4 @@
-//! What the town is made of.
+//! Materials of the town.
 
 use super::textures::{ASPHALT, ASPHALT_GLOSS, BRICK, CONCRETE, PAVING, PLASTER, TILES};
 use crate::scene::Material;

@@ -1,4 +1,4 @@
-//! Where the town is solid, in closed form: what tests compare places with. Nothing here asks triangles.
+//! Solid parts of the town in closed form, for tests of positions; independent of the triangles.
 
 use super::lots::{self, Lot};
 use super::plan::{EDGE, Plan, Rect};

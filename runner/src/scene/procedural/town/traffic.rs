@@ -1,4 +1,4 @@
-//! What moves: cars that go round their blocks, and the drive through the town.
+//! Traffic: cars that drive around their blocks, and the camera's drive through the town.
 
 use super::cars;
 use super::plan::{Plan, Rect, SIDES, Usage};
