@@ -39,8 +39,10 @@ fn links_lead_somewhere() {
         assert!(dangling.is_empty(), "{}: {dangling:?}", path.display());
     }
     let here = workspace().join("README.md");
-    let page = "[a](docs) [b](gone.md) [c](https://example.org) [d](#above) [e](docs/gone.md#there)";
-    assert_eq!(dangling_links(&here, page), ["gone.md", "docs/gone.md#there"]);
+    let page = "# Above all\n[a](docs) [b](gone.md) [c](https://example.org) [d](#above-all) [e](#gone) [f](docs/gone.md#there)
+        [g](docs/town.md#the-town) [h](docs/town.md#gone)";
+    let dangling = dangling_links(&here, page);
+    assert_eq!(dangling, ["gone.md", "#gone", "docs/gone.md#there", "docs/town.md#gone"]);
 }
 
 fn algorithm() -> String {

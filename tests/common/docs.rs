@@ -113,15 +113,30 @@ pub fn files(folder: &Path, extension: &str) -> Vec<PathBuf> {
     found
 }
 
-/// Links of `page`, at `path`, to files that do not exist.
+/// Links of `page`, at `path`, to files or headings that do not exist.
 pub fn dangling_links(path: &Path, page: &str) -> Vec<String> {
     let folder = path.parent().unwrap_or(path);
     let leads_nowhere = |link: &String| {
-        let file = link.split('#').next().unwrap_or_default();
-        let elsewhere = link.contains("://") || link.starts_with("mailto:");
-        !elsewhere && !file.is_empty() && !folder.join(file).exists()
+        let (file, heading) = link.split_once('#').unwrap_or((link, ""));
+        if link.contains("://") || link.starts_with("mailto:") {
+            return false;
+        }
+        let target = if file.is_empty() { path.to_path_buf() } else { folder.join(file) };
+        let is_page = target.extension().is_some_and(|e| e == "md");
+        let text =
+            if file.is_empty() { page.into() } else { fs::read_to_string(&target).unwrap_or_default() };
+        !target.exists() || is_page && !heading.is_empty() && !headings(&text).any(|known| known == heading)
     };
     links(page).into_iter().filter(leads_nowhere).collect()
+}
+
+/// Anchors of the headings of `page`: lower case, words joined by dashes, without punctuation.
+fn headings(page: &str) -> impl Iterator<Item = String> {
+    let lines = page.split("```").step_by(2).flat_map(str::lines).filter(|line| line.starts_with('#'));
+    lines.map(|line| {
+        let kept = |c: char| c.is_alphanumeric() || " -_".contains(c);
+        line.trim_start_matches('#').trim().to_lowercase().replace(|c| !kept(c), "").replace(' ', "-")
+    })
 }
 
 /// Targets of `[text](target)`, outside of fenced blocks.

@@ -1,10 +1,12 @@
-//! Every chore has one command: `cargo xtask setup`, `demo`, `test`, `shaders`, `models`, `fixtures`, `bench`, `results`, `fuzz`.
+//! Every chore has one command: `cargo xtask setup`, `demo`, `test`, `shaders`, `models`, `fixtures`, `bench`, `results`,
+//! `docs`, `site`, `fuzz`.
 
 mod checks;
 mod command;
 mod models;
 mod setup;
 mod shaders;
+mod site;
 
 use anyhow::{Context, Result};
 use clap::{Parser, Subcommand};
@@ -46,6 +48,8 @@ enum Task {
     Results,
     /// Fill the tables of docs/command-line.md from the program
     Docs,
+    /// Build the pages and the API's documentation as a site in target/site/book; a broken link fails
+    Site,
 }
 
 fn main() -> ExitCode {
@@ -67,6 +71,7 @@ fn run(task: Task) -> Result<()> {
         Task::Models => models::run(),
         Task::Fixtures => candela(&["fixtures", "assets/scenes"]),
         Task::Bench => candela(&["sweep", "bench", "-o", "out/bench"]),
+        Task::Site => site::run(),
         Task::Docs => candela(&["page", "docs/command-line.md"]),
         Task::Fuzz { arguments } => {
             let fuzz = ["run", "-p", "tests", "--bin", "fuzz", "--"];
