@@ -83,7 +83,7 @@ mod tests {
             decode(&broken).unwrap_err()
         };
         for (at, value, words) in [
-            (12, 37 + (1 << 32), "no kind that KHR_texture_basisu has"),
+            (12, 37 + (1 << 32), "neither ETC1S nor UASTC"),
             (20, 18, "KTX2 of 18 x 0 texels"),
             (80, u64::MAX - 8, "cut short"),
             (96, 1 << 60, "KTX2 level of"),

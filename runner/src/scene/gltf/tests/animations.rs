@@ -155,7 +155,7 @@ fn faults_are_named_and_not_played() {
             floats(&[0.0, f32::INFINITY, 0.0]),
             5126,
             "VEC3",
-            "key 0: its value is infinite",
+            "key 0: its value is not finite",
         ),
         ("rotation", "STEP", vec![0.0], floats(&[0.0; 4]), 5126, "VEC4", "key 0: 0 is not a rotation"),
         ("rotation", "STEP", vec![0.0], three()[..12].to_vec(), 5126, "VEC3", "values: accessor"),
