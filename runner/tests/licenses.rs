@@ -7,7 +7,8 @@ const PAGE: &str = include_str!("../../docs/licenses.md");
 
 /// First cells of the rows below `heading`, in backticks there.
 fn rows(heading: &str) -> BTreeSet<String> {
-    let section = PAGE.split(heading).nth(1).and_then(|rest| rest.split("\n## ").next()).unwrap();
+    let section =
+        PAGE.split(heading).nth(1).and_then(|rest| rest.split("\n## ").next()).expect("the page has it");
     let rows = section.lines().filter_map(|line| line.strip_prefix("| `")?.split_once('`'));
     rows.map(|(name, _)| name.to_owned()).collect()
 }

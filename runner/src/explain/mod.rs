@@ -1,8 +1,7 @@
 //! One pixel of one frame, replayed on the CPU by the bodies of its passes, and compared with the GPU's result.
 //!
 //! Each body runs from the GPU's own input to it, so that differences don't add up from pass to pass. Visibility is
-//! asked of every triangle, in f64. Not replayed: light that bounces, and the primary ray's textures and normal
-//! maps (the G-buffer is taken as it is).
+//! asked of every triangle, in f64. Not replayed: light that bounces, and the primary ray's textures and normal maps (the G-buffer is taken as it is).
 
 pub mod compare;
 mod heard;

@@ -1,6 +1,5 @@
-//! The largest number of rays of a frame. Counting those that are traced takes an atomic in every ray-tracing
-//! shader, or a second
-//! variant of each; the most is known from the settings alone.
+//! The largest number of rays of a frame. Counting those that are traced takes an atomic in every ray-tracing shader, or
+//! a second variant of each; the most is known from the settings alone.
 
 use super::pass::Step;
 use super::schedule::{Conditions, Rotation, Work, schedule};

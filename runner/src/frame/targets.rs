@@ -1,5 +1,5 @@
-//! Buffers of a frame, allocated when the first pass needs them: copies, lengths and strides are those of the table
-//! of resources.
+//! Buffers of a frame, allocated when the first pass needs them: copies, lengths and strides are those of the table of
+//! resources.
 
 use crate::error::Result;
 use crate::vulkan::{Buffer, Device, DrawTarget, Memory, Uploader};

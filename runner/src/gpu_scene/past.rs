@@ -1,5 +1,5 @@
-//! The previous state of a scene that changes, on the device. Made at the first change: a scene that
-//! stands still has none of it.
+//! The previous state of a scene that changes, on the device. Made at the first change: a scene that stands still has
+//! none of it.
 
 use super::arrays::environment_texels;
 use super::{GpuScene, STORAGE, environment_size, tlas_instances};

@@ -1,7 +1,6 @@
 //! Deformation of meshes: morph targets and skins (glTF 2.0, 3.7.2.2 and 3.7.3). Pure functions.
 //!
-//! A scene's meshes hold what is drawn; here is what they were modelled as, and [`SceneDescription::bend`] makes
-//! the one of the
+//! A scene's meshes hold what is drawn; here is what they were modelled as, and [`SceneDescription::bend`] makes the one of the
 //! other.
 
 use super::{Primitive, SceneDescription};

@@ -1,10 +1,11 @@
 //! `cargo xtask site`: the project's pages as a book with the API's documentation, in target/site/book. A link that
 //! leads nowhere fails.
 //!
-//! mdBook builds from a copy of the pages in which GitHub's math is KaTeX's and links to source files lead to files of
-//! the site. Equations become MathML, so the site loads nothing from elsewhere.
+//! mdBook builds from a copy of the pages, in which equations are MathML and links to source files lead to files of the
+//! site. The site loads nothing from elsewhere.
 
 mod links;
+mod math;
 mod pages;
 
 use crate::command;
@@ -15,10 +16,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Installed once, into target/tools.
-const TOOLS: [(&str, &str, &[&str]); 2] = [
-    ("mdbook", "0.5.4", &["--no-default-features", "--features", "search"]),
-    ("mdbook-katex", "0.10.0", &[]),
-];
+const MDBOOK: &str = "0.5.4";
 
 /// A chapter that the site alone has.
 const API: &str = "# The API's documentation\n
@@ -26,18 +24,11 @@ const API: &str = "# The API's documentation\n
 - [`shared`](api/shared/index.html): the estimator\n";
 
 pub fn run() -> Result<()> {
-    let tools = command::target_dir().join("tools");
-    for (name, version, features) in TOOLS {
-        install(&tools, name, version, features)?;
-    }
+    let mdbook = install()?;
     let site = command::target_dir().join("site");
     let (source, book) = (site.join("pages"), site.join("book"));
     let wanted = stage(&command::root(), &source)?;
-    let path = std::env::join_paths(
-        std::iter::once(tools.join("bin"))
-            .chain(std::env::split_paths(&std::env::var_os("PATH").unwrap_or_default())),
-    )?;
-    command::run(command::program(tools.join("bin/mdbook")).arg("build").arg(&source).env("PATH", path))?;
+    command::run(command::program(mdbook).arg("build").arg(&source))?;
     wanted.iter().try_for_each(|path| copy_source(path, &book))?;
     document(&book.join("api"))?;
     let dangling = links::dangling(&book)?;
@@ -48,15 +39,26 @@ pub fn run() -> Result<()> {
     Ok(())
 }
 
-fn install(tools: &Path, name: &str, version: &str, features: &[&str]) -> Result<()> {
-    let program = tools.join("bin").join(name);
+/// mdBook of our version.
+fn install() -> Result<PathBuf> {
+    let tools = command::target_dir().join("tools");
+    let program = tools.join("bin/mdbook");
     let known = command::try_output(command::program(&program).arg("--version")).unwrap_or_default();
-    if known.contains(version) {
-        return Ok(());
+    if !known.contains(MDBOOK) {
+        let mut cargo = command::cargo();
+        cargo.args([
+            "install",
+            "--locked",
+            "--force",
+            "--no-default-features",
+            "--features",
+            "search",
+            "--root",
+        ]);
+        cargo.arg(&tools).arg(format!("mdbook@{MDBOOK}"));
+        command::run(cargo.env("CARGO_TARGET_DIR", tools.join("build")))?;
     }
-    let mut cargo = command::cargo();
-    cargo.args(["install", "--locked", "--force", "--root"]).arg(tools).args(features);
-    command::run(cargo.arg(format!("{name}@{version}")).env("CARGO_TARGET_DIR", tools.join("build")))
+    Ok(program)
 }
 
 /// Writes the book's source to `to`; gives the paths that its pages link to and mdBook does not copy.
@@ -72,15 +74,17 @@ fn stage(root: &Path, to: &Path) -> Result<BTreeSet<PathBuf>> {
             let target = pages::target(root, &chapters, path);
             match &target {
                 Target::Picture => wanted.insert(path.to_path_buf()),
-                Target::Source => wanted.insert(path.to_path_buf()),
+                Target::Source | Target::Folder => wanted.insert(path.to_path_buf()),
                 Target::Chapter | Target::Documented(_) => false,
             };
             target
         });
+        let page = page.with_context(|| chapter.display().to_string())?;
         write(&to.join("src").join(chapter), page.as_bytes())?;
     }
     write(&to.join("src/SUMMARY.md"), format!("{summary}- [The API](api.md)\n").as_bytes())?;
     write(&to.join("src/api.md"), API.as_bytes())?;
+    write(&to.join("equations.css"), math::STYLE.as_bytes())?;
     write(&to.join("book.toml"), read(&root.join("book.toml"))?.as_bytes())?;
     Ok(wanted)
 }
@@ -103,11 +107,11 @@ fn is_text(path: &Path) -> bool {
         || fs::read(command::root().join(path)).is_ok_and(|bytes| String::from_utf8(bytes).is_ok())
 }
 
-/// Rustdoc's pages of all crates.
+/// Rustdoc's pages of the library and the estimator.
 fn document(to: &Path) -> Result<()> {
     let mut doc = command::cargo();
-    doc.args(["doc", "--workspace", "--no-deps", "--locked"]);
-    command::run(doc.env("RUSTDOCFLAGS", "-D rustdoc::broken_intra_doc_links"))?;
+    doc.args(["doc", "--locked", "--no-deps", "-p", "candela", "-p", "shared", "--lib"]);
+    command::run(&mut doc)?;
     copy_folder(&command::target_dir().join("doc"), to)
 }
 
@@ -147,7 +151,7 @@ mod tests {
             assert!(command::root().join(&path).exists(), "{}", path.display());
         }
         let page = read(&to.join("src/docs/algorithm.md")).unwrap();
-        assert!(page.contains("$$\n") && !page.contains("```math"));
+        assert!(page.contains("<math display=\"block\">") && !page.contains("```math"));
         for page in fs::read_dir(command::root().join("docs")).unwrap() {
             let page = page.unwrap().path();
             let name = page.file_name().unwrap();

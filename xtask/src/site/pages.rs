@@ -1,5 +1,7 @@
 //! A page of the repository as a page of the book.
 
+use super::math;
+use anyhow::Result;
 use std::path::{Component, Path, PathBuf};
 
 /// Where a link of a page leads to, in the site.
@@ -8,8 +10,10 @@ pub enum Target {
     Chapter,
     /// A file that is shown as it is.
     Picture,
-    /// A file or folder that is shown as text.
+    /// A file that is shown as text.
     Source,
+    /// A folder whose files are listed.
+    Folder,
     /// Rustdoc's view of a source file: its path in the site.
     Documented(PathBuf),
 }
@@ -31,6 +35,7 @@ pub fn target(root: &Path, chapters: &[PathBuf], path: &Path) -> Target {
         _ if chapters.iter().any(|chapter| chapter == path) => Target::Chapter,
         _ if is_picture(path) => Target::Picture,
         Some(view) => Target::Documented(view),
+        None if root.join(path).is_dir() => Target::Folder,
         None => Target::Source,
     }
 }
@@ -44,46 +49,43 @@ pub fn as_text(path: &Path) -> PathBuf {
     PathBuf::from(format!("{}.txt", path.display()))
 }
 
-/// `page`, at `place` from the project's root: math blocks of GitHub become KaTeX's, links lead to files of the site.
-pub fn staged(page: &str, place: &Path, mut target: impl FnMut(&Path) -> Target) -> String {
-    #[derive(PartialEq)]
-    enum In {
-        Text,
-        Code,
-        Math,
-    }
-    let mut within = In::Text;
+/// `page`, at `place` from the project's root: equations in MathML, and links that lead to files of the site.
+pub fn staged(page: &str, place: &Path, mut target: impl FnMut(&Path) -> Target) -> Result<String> {
     let mut staged = String::new();
-    for line in page.lines() {
+    let mut lines = page.lines();
+    while let Some(line) = lines.next() {
         let text = line.trim_start();
         let indent = &line[..line.len() - text.len()];
-        let fence = text.starts_with("```");
-        within = match within {
-            In::Text if fence && text == "```math" => {
-                staged += &format!("{indent}$$\n");
-                In::Math
-            }
-            In::Math if fence => {
-                staged += &format!("{indent}$$\n");
-                In::Text
-            }
-            In::Code | In::Math => {
-                staged += &format!("{line}\n");
-                if fence { In::Text } else { within }
-            }
-            In::Text => {
-                let line = if fence { line.to_owned() } else { linked(line, place, &mut target) };
-                staged += &format!("{line}\n");
-                if fence { In::Code } else { In::Text }
-            }
+        if !text.starts_with("```") {
+            staged += &format!("{}\n", prose(line, place, &mut target)?);
+            continue;
+        }
+        let body: Vec<&str> =
+            lines.by_ref().take_while(|line| !line.trim_start().starts_with("```")).collect();
+        staged += &match text {
+            "```math" => format!("\n{indent}{}\n\n", math::block(&body.join("\n"))?),
+            _ => format!("{line}\n{}\n{indent}```\n", body.join("\n")),
         };
     }
-    staged
+    Ok(staged)
 }
 
-/// `line` with the links of the site.
-fn linked(line: &str, place: &Path, target: &mut impl FnMut(&Path) -> Target) -> String {
-    let mut parts = line.split("](");
+/// A line outside of fenced blocks.
+fn prose(line: &str, place: &Path, target: &mut impl FnMut(&Path) -> Target) -> Result<String> {
+    let mut parts = line.split('`');
+    let mut prose = String::new();
+    while let Some(text) = parts.next() {
+        prose += &math::inline(&linked(text, place, target))?;
+        if let Some(code) = parts.next() {
+            prose += &format!("`{code}`");
+        }
+    }
+    Ok(prose)
+}
+
+/// `text` with the links of the site.
+fn linked(text: &str, place: &Path, target: &mut impl FnMut(&Path) -> Target) -> String {
+    let mut parts = text.split("](");
     let mut linked = parts.next().unwrap_or_default().to_owned();
     for part in parts {
         let (link, rest) = part.split_at(part.find(')').unwrap_or(part.len()));
@@ -96,17 +98,14 @@ fn linked(line: &str, place: &Path, target: &mut impl FnMut(&Path) -> Target) ->
 
 fn in_site(link: &str, place: &Path, target: &mut impl FnMut(&Path) -> Target) -> String {
     let folder = place.parent().unwrap_or(Path::new(""));
-    let (file, anchor) = link.split_once('#').unwrap_or((link, ""));
-    let path = plain(&folder.join(file));
+    let path = plain(&folder.join(link.split('#').next().unwrap_or(link)));
     let up = "../".repeat(folder.components().count());
     match target(&path) {
-        // mdBook knows its own pages.
-        Target::Chapter => link.to_owned(),
+        // mdBook knows its own pages, but for those that become a folder's index.
+        Target::Chapter => link.replace("README.md", "index.md"),
         Target::Picture => format!("{up}{}", path.display()),
         Target::Documented(view) => format!("{up}{}", view.display()),
-        Target::Source if path.extension().is_none() && !path.starts_with("LICENSE") && anchor.is_empty() => {
-            format!("{up}{}/index.html", path.display())
-        }
+        Target::Folder => format!("{up}{}/index.html", path.display()),
         Target::Source => format!("{up}{}", as_text(&path).display()),
     }
 }
@@ -136,4 +135,29 @@ pub fn listing(folder: &Path, files: &[&Path]) -> String {
         page += &format!("<li><a href=\"{link}\">{name}</a>\n");
     }
     page + "</ul>\n"
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pages_become_chapters() {
+        let page = "# A\nSee [up](../README.md), [b](b.md#there), [code](../shared/src/lib.rs) and `$[x](y)`, $x$.\n```sh\necho $HOME [x](y)\n```\n- a\n\n  ```math\n  y\n  ```\n";
+        let staged = staged(page, Path::new("docs/a.md"), |path| match path.extension() {
+            Some(e) if e == "md" => Target::Chapter,
+            _ => Target::Source,
+        });
+        let staged = staged.unwrap();
+        assert!(
+            staged.contains(
+                "[up](../index.md), [b](b.md#there), [code](../shared/src/lib.rs.txt) and `$[x](y)`, <math"
+            ),
+            "{staged}"
+        );
+        assert!(
+            staged.contains("```sh\necho $HOME [x](y)\n```\n- a\n\n\n  <div class=\"equation\">"),
+            "{staged}"
+        );
+    }
 }

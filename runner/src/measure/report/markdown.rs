@@ -1,7 +1,7 @@
 //! Fills the tables of a Markdown page from committed results.
 //!
-//! Between `<!-- results NAME.json -->` and `<!-- end -->` the page has generated tables; the text around them is
-//! written by hand.
+//! Between `<!-- results NAME.json -->` and `<!-- end -->` the page has generated tables; the text around them is written
+//! by hand.
 
 use super::tables::{self, COLUMNS, Table};
 use super::{Group, html, read, verdict};

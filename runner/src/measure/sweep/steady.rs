@@ -1,5 +1,4 @@
-//! Warm-up before timing: until frame times have stabilized. A device at rest has a slow clock, and the first
-//! frames of a
+//! Warm-up before timing: until frame times have stabilized. A device at rest has a slow clock, and the first frames of a
 //! pipeline fill caches.
 
 use crate::measure::times::median;

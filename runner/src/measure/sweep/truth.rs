@@ -1,13 +1,9 @@
 //! The truth: the picture that errors are measured against.
 //!
-//! Where the sum over all lights is affordable it is the truth: of a scene with nothing but points, spots and
-//! parallel light,
-//! and nothing transparent, one pass is exact. Else passes with other random numbers are averaged until their own
-//! standard
-//! error is small enough: at first by what the plan says, then, when points are known, by the smallest of their
-//! errors. Where there are too many lights for a sum, independent frames of plain resampling take its place: no
-//! temporal, no spatial, no visibility reuse, no tiles, no cells, whose mean is the same (the tests hold them
-//! against the sum).
+//! Where the sum over all lights is affordable it is the truth: of a scene with nothing but points, spots and parallel light,
+//! and nothing transparent, one pass is exact. Else passes with other random numbers are averaged until their own standard
+//! error is small enough: at first by what the plan says, then, when points are known, by the smallest of their errors. Where there are too many lights for a sum, independent frames of plain resampling take its place: no
+//! temporal, no spatial, no visibility reuse, no tiles, no cells, whose mean is the same (the tests hold them against the sum).
 
 use super::plan::TruthPlan;
 use crate::error::Result;

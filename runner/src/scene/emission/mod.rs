@@ -1,18 +1,14 @@
 //! Emission: emissive materials -> triangles of constant radiance.
 //!
 //! A triangle whose texture varies is divided into parts, each of which emits the exact mean of its own piece of the
-//! texture, so that lights are drawn by what the texture shows there and no energy is lost or gained. The rule, for
-//! each
+//! texture, so that lights are drawn by what the texture shows there and no energy is lost or gained. The rule, for each
 //! primitive by itself:
 //!
 //! - **Step**: the part with the largest possible error, (largest - least luminance in it) x area, becomes four by the
-//!   middles of its edges; their areas are exactly a quarter, their mean is the mean before. Dark parts (mean 0)
-//! are dropped.
-//! - **Bound**: it ends when no part's error exceeds [`TOLERANCE`] of the primitive's flux, or those left are not
-//! larger
+//!   middles of its edges; their areas are exactly a quarter, their mean is the mean before. Dark parts (mean 0) are dropped.
+//! - **Bound**: it ends when no part's error exceeds [`TOLERANCE`] of the primitive's flux, or those left are not larger
 //!   than a texel.
-//! - **Budget**: at most [`MAX_ADDED`] lights more than triangles in the scene; each placed primitive has the same
-//! share.
+//! - **Budget**: at most [`MAX_ADDED`] lights more than triangles in the scene; each placed primitive has the same share.
 //!
 //! Division looks at object space and texture alone, so that moving things keep their lights, and instances share it.
 

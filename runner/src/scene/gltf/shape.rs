@@ -1,9 +1,7 @@
 //! Shapes of JSON values, and the repair of values that lack them.
 //!
-//! The gltf crate takes a file's word for much (indices, codes, what must be there) and refuses all of it for any
-//! fault. So
-//! what is read is copied out first, property by property: what is not as it must be goes, with a warning, or
-//! breaks the
+//! The gltf crate takes a file's word for much (indices, codes, what must be there) and refuses all of it for any fault. So
+//! what is read is copied out first, property by property: what is not as it must be goes, with a warning, or breaks the
 //! thing that can't be without. A broken thing is an error where it is drawn, and nowhere else.
 
 use super::warnings::Warnings;
