@@ -7,7 +7,8 @@ use pulldown_latex::{Parser, Storage};
 use std::convert::Infallible;
 
 /// Numbers stand at the right of their equations.
-pub const STYLE: &str = ".equation { display: flex; align-items: center; overflow-x: auto; margin: 1em 0; }
+pub const STYLE: &str =
+    ".equation { display: flex; align-items: center; overflow: auto hidden; padding: 0.3em 0; }
 .equation math { flex: 1; }
 ";
 
