@@ -13,27 +13,44 @@ fn run(name: &str, arguments: &[&str]) -> String {
     String::from_utf8(output.stdout).expect("it prints text")
 }
 
-/// Mean display value of the picture that an example draws, 0 to 255.
-fn brightness(name: &str, input: &str) -> f64 {
-    if tests::gpu::device().is_none() {
-        return f64::NAN;
-    }
+/// Display values of the picture that an example draws, 0 to 255; none without a device.
+fn picture(name: &str, input: &str) -> Option<image::GrayImage> {
+    tests::gpu::device()?;
     let file: PathBuf =
         std::env::temp_dir().join(format!("candela-example-{}-{name}.png", std::process::id()));
     run(name, &[input, file.to_str().expect("a name")]);
     let picture = image::open(&file).expect("it writes a picture").into_luma8();
     std::fs::remove_file(file).expect("it is there");
     assert_eq!(picture.dimensions(), (640, 360));
-    picture.pixels().map(|pixel| f64::from(pixel.0[0])).sum::<f64>() / f64::from(640 * 360)
+    Some(picture)
+}
+
+fn mean(values: impl Iterator<Item = u8>) -> f64 {
+    values.map(f64::from).sum::<f64>() / f64::from(640 * 360)
 }
 
 /// Their exposure is automatic, so neither is dark or burnt out.
 #[test]
 fn pictures_are_drawn() {
     for (name, input) in [("hello", "knot"), ("many_lights", "3000")] {
-        let mean = brightness(name, input);
-        assert!(mean.is_nan() || (30.0..200.0).contains(&mean), "{name}: {mean}");
+        let Some(picture) = picture(name, input) else { return };
+        let mean = mean(picture.pixels().map(|pixel| pixel.0[0]));
+        assert!((30.0..200.0).contains(&mean), "{name}: {mean}");
     }
+}
+
+/// On the application's own device and queue a frame is what it is on Candela's: exposures differ by a frame's noise.
+#[test]
+fn an_embedded_frame_is_the_same_frame() {
+    let (Some(own), Some(embedded)) = (picture("hello", "knot"), picture("embed_ash", "knot")) else {
+        return;
+    };
+    let difference = |a: &image::GrayImage, b: &image::GrayImage| {
+        mean(a.pixels().zip(b.pixels()).map(|(a, b)| a.0[0].abs_diff(b.0[0])))
+    };
+    assert!(difference(&own, &embedded) < 1.0, "{}", difference(&own, &embedded));
+    // Negative control: upside down.
+    assert!(difference(&own, &image::imageops::flip_vertical(&embedded)) > 5.0);
 }
 
 /// Every mean within 4.5 standard errors of the sum that the example computes: five false alarms in a million, with a fixed seed.

@@ -15,7 +15,7 @@ use ash::{ext, khr, vk};
 use gpu_allocator::vulkan::Allocator;
 use std::ffi::CStr;
 use std::mem::ManuallyDrop;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
 #[derive(Clone, Debug, Default)]
@@ -30,6 +30,21 @@ pub struct DeviceOptions {
     pub pipeline_cache: Option<PathBuf>,
     /// Pipelines can tell what the driver's compiler made of them, where it offers that.
     pub pipeline_statistics: bool,
+}
+
+/// Vulkan handles of an application, and what it has enabled: see [`Device::from_raw`].
+pub struct RawDevice {
+    pub entry: ash::Entry,
+    pub instance: ash::Instance,
+    pub physical_device: vk::PhysicalDevice,
+    pub device: ash::Device,
+    /// With graphics and compute.
+    pub queue: vk::Queue,
+    pub queue_family: u32,
+    /// `samplerAnisotropy` is enabled.
+    pub has_anisotropy: bool,
+    /// VK_EXT_debug_utils is enabled in the instance.
+    pub has_debug_utils: bool,
 }
 
 /// A logical device with one queue. Clones share it; whatever is made from it holds a clone, so it goes last.
@@ -71,23 +86,61 @@ impl Device {
         if options.pipeline_statistics && physical::has_executables(&instance.handle, physical.handle)? {
             extensions.push(khr::pipeline_executable_properties::NAME);
         }
-        let (handles, anisotropy) = Handles::new(&instance, &physical, &extensions)?;
+        let (handles, anisotropy) =
+            Handles::new(&instance.handle, instance.has_debug_utils, &physical, &extensions)?;
+        let queue = Queue::new(&handles.device, physical.queue_family);
+        let cache = options.pipeline_cache.as_deref();
+        Device::assemble(instance, physical, handles, queue, anisotropy, cache)
+    }
+
+    /// Instance, device and queue of an application, which it goes on using. Candela destroys none of them; its buffers and
+    /// images have an allocator of their own.
+    ///
+    /// # Errors
+    /// The device lacks an extension or feature, or memory.
+    ///
+    /// # Safety
+    /// The handles belong together and are alive until the last clone of the device, and all that was made from it, is
+    /// dropped. The instance and the device have Vulkan 1.2 or later; [`EXTENSIONS`] and [`Features`] were enabled. The
+    /// application takes [`Device::queue`] for its own submissions, and does not wait for the whole device while another
+    /// thread uses Candela.
+    ///
+    /// [`EXTENSIONS`]: super::EXTENSIONS
+    /// [`Features`]: super::Features
+    pub unsafe fn from_raw(raw: RawDevice, pipeline_cache: Option<&Path>) -> Result<Device> {
+        let mut physical =
+            physical::inspect(&raw.instance, raw.physical_device, &physical::EXTENSIONS)?.complete()?;
+        physical.queue_family = raw.queue_family;
+        let handles = Handles::borrowed(&raw.instance, raw.has_debug_utils, raw.device);
+        let instance = Instance::borrowed(raw.entry, raw.instance, raw.has_debug_utils);
+        let queue = Queue::borrowed(raw.queue, raw.queue_family);
+        Device::assemble(instance, physical, handles, queue, raw.has_anisotropy, pipeline_cache)
+    }
+
+    fn assemble(
+        instance: Instance,
+        physical: PhysicalDevice,
+        handles: Handles,
+        queue: Queue,
+        anisotropy: bool,
+        cache: Option<&Path>,
+    ) -> Result<Device> {
         let limits = Limits::of(&instance.handle, &physical, anisotropy);
         // SAFETY: a device of this instance.
         let properties = unsafe { instance.handle.get_physical_device_properties(physical.handle) };
-        let pipelines = PipelineCache::new(&handles.device, options.pipeline_cache.as_deref(), &properties);
+        let pipelines = PipelineCache::new(&handles.device, cache, &properties);
         // SAFETY: nothing has been made from the device yet.
-        let pipelines = pipelines.inspect_err(|_| unsafe { handles.device.destroy_device(None) })?;
+        let pipelines = pipelines.inspect_err(|_| unsafe { handles.destroy() })?;
         let name = &physical.info.name;
         let memory = DeviceMemory::new(&instance.handle, &handles.device, physical.handle, name);
         // SAFETY: nothing else has been made from the device yet.
         let memory = memory.inspect_err(|_| unsafe {
             handles.device.destroy_pipeline_cache(pipelines.handle, None);
-            handles.device.destroy_device(None);
+            handles.destroy();
         })?;
         Ok(Device(Arc::new(Inner {
             limits,
-            queue: Queue::new(&handles.device, physical.queue_family),
+            queue,
             memory: ManuallyDrop::new(memory),
             samplers: Samplers::default(),
             handles,
@@ -202,16 +255,17 @@ impl Drop for Inner {
     fn drop(&mut self) {
         let device = &self.handles.device;
         self.pipelines.save(device);
+        let queue = self.queue.lock();
         // SAFETY: all that was made from the device held a clone of it, so it is gone; memory goes before the device, and
         // nothing reads it afterwards.
         unsafe {
-            let _ = device.device_wait_idle();
+            let _ = device.queue_wait_idle(*queue);
             for sampler in self.samplers.take() {
                 device.destroy_sampler(sampler, None);
             }
             ManuallyDrop::drop(&mut self.memory);
             device.destroy_pipeline_cache(self.pipelines.handle, None);
-            device.destroy_device(None);
+            self.handles.destroy();
         }
     }
 }

@@ -17,6 +17,8 @@ pub(super) struct Instance {
     pub has_debug_utils: bool,
     pub messages: MessageLog,
     messenger: Option<(ext::debug_utils::Instance, vk::DebugUtilsMessengerEXT)>,
+    /// Destroyed when this drops; else the application does it.
+    owned: bool,
     /// Unloads libvulkan when it drops, so it is last.
     pub entry: ash::Entry,
 }
@@ -52,11 +54,18 @@ impl Instance {
             vk::Result::ERROR_INCOMPATIBLE_DRIVER => Error::NoDevice { seen: Vec::new() },
             _ => Error::Vulkan { what: "create instance".into(), result },
         })?;
-        let mut instance = Instance { handle, has_debug_utils, messages, messenger: None, entry };
+        let mut instance =
+            Instance { handle, has_debug_utils, messages, messenger: None, owned: true, entry };
         if validate {
             instance.listen()?;
         }
         Ok(instance)
+    }
+
+    /// The instance of an application.
+    pub fn borrowed(entry: ash::Entry, handle: ash::Instance, has_debug_utils: bool) -> Instance {
+        let messages = MessageLog::default();
+        Instance { handle, has_debug_utils, messages, messenger: None, owned: false, entry }
     }
 
     fn listen(&mut self) -> Result<()> {
@@ -77,7 +86,9 @@ impl Drop for Instance {
             if let Some((debug, messenger)) = self.messenger.take() {
                 debug.destroy_debug_utils_messenger(messenger, None);
             }
-            self.handle.destroy_instance(None);
+            if self.owned {
+                self.handle.destroy_instance(None);
+            }
         }
     }
 }

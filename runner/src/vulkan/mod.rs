@@ -1,4 +1,4 @@
-//! Vulkan, as thin as safety allows. Reading order: `device` (of `handles`, `limits`, `memory`, `samplers`, `queue`), `buffer`, `image`, `commands`, `upload`,
+//! Vulkan, as thin as safety allows. Reading order: `device` (of `features`, `handles`, `limits`, `memory`, `samplers`, `queue`), `buffer`, `image`, `commands`, `upload`,
 //! `acceleration`, `descriptors`, `pipeline`, `ray_pipeline`, `draw_target`, `draw_pipeline`, `timing`; for windows `surface`, `swapchain`.
 //!
 //! Recording takes raw `vk::CommandBuffer`s: whoever records keeps what the commands use alive until they have run.
@@ -12,6 +12,7 @@ pub mod device;
 pub mod draw_pipeline;
 pub mod draw_target;
 pub mod executables;
+mod features;
 mod handles;
 pub mod image;
 mod instance;
@@ -37,12 +38,13 @@ pub use acceleration::{BlasGeometry, BlasSet, Tlas, TlasInstance};
 pub use buffer::{Buffer, Memory};
 pub use commands::{CommandRing, FrameCommands, Scope, full_barrier, memory_barrier};
 pub use descriptors::{Binding, DescriptorSet, PushSet, SetLayout};
-pub use device::{Device, DeviceOptions};
+pub use device::{Device, DeviceOptions, RawDevice};
 pub use draw_pipeline::{DrawPipeline, DrawPipelineDesc};
 pub use draw_target::DrawTarget;
+pub use features::Features;
 pub use image::{Image, ImageDesc};
 pub use limits::Limits;
-pub use physical::DeviceInfo;
+pub use physical::{DeviceInfo, EXTENSIONS};
 pub use pipeline::{ComputePipeline, Interface, Pipeline, Shader};
 pub use ray_pipeline::{HitGroup, RayPipeline, RayPipelineDesc};
 pub use timing::Timestamps;

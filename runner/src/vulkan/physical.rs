@@ -34,7 +34,8 @@ pub(super) struct PhysicalDevice {
     missing: Vec<String>,
 }
 
-pub(super) const EXTENSIONS: [&CStr; 4] = [
+/// Device extensions that Candela needs.
+pub const EXTENSIONS: [&CStr; 4] = [
     khr::acceleration_structure::NAME,
     khr::ray_tracing_pipeline::NAME,
     khr::deferred_host_operations::NAME,
@@ -86,6 +87,11 @@ fn matching(devices: Vec<PhysicalDevice>, wanted: &str) -> Result<Vec<PhysicalDe
 }
 
 impl PhysicalDevice {
+    /// Itself, if it lacks nothing.
+    pub fn complete(self) -> Result<PhysicalDevice> {
+        if self.missing.is_empty() { Ok(self) } else { Err(Error::NoDevice { seen: vec![self.describe()] }) }
+    }
+
     fn describe(&self) -> String {
         match &self.missing[..] {
             [] => self.info.name.clone(),
@@ -98,7 +104,12 @@ fn kind_rank(kind: &str) -> usize {
     ["discrete", "integrated", "virtual", "cpu"].iter().position(|k| *k == kind).unwrap_or(4)
 }
 
-fn inspect(instance: &ash::Instance, handle: vk::PhysicalDevice, wanted: &[&CStr]) -> Result<PhysicalDevice> {
+/// The device `handle` with the names of what it lacks.
+pub(super) fn inspect(
+    instance: &ash::Instance,
+    handle: vk::PhysicalDevice,
+    wanted: &[&CStr],
+) -> Result<PhysicalDevice> {
     // SAFETY: `handle` is of this instance.
     let properties = unsafe { instance.get_physical_device_properties(handle) };
     let mut missing = Vec::new();
@@ -207,19 +218,4 @@ fn missing_features(instance: &ash::Instance, handle: vk::PhysicalDevice) -> Vec
         (ray_tracing.ray_tracing_pipeline, "rayTracingPipeline"),
     ];
     all.into_iter().filter(|(has, _)| *has == vk::FALSE).map(|(_, name)| name).collect()
-}
-
-/// The 1.2 features that the device is created with: those that `missing_features` asked for.
-pub(super) fn vulkan12_features() -> vk::PhysicalDeviceVulkan12Features<'static> {
-    vk::PhysicalDeviceVulkan12Features::default()
-        .scalar_block_layout(true)
-        .vulkan_memory_model(true)
-        .vulkan_memory_model_device_scope(true)
-        .buffer_device_address(true)
-        .runtime_descriptor_array(true)
-        .shader_sampled_image_array_non_uniform_indexing(true)
-        .descriptor_binding_partially_bound(true)
-        .descriptor_binding_variable_descriptor_count(true)
-        .host_query_reset(true)
-        .timeline_semaphore(true)
 }

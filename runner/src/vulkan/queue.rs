@@ -12,6 +12,15 @@ pub(super) struct Queue {
 }
 
 impl Queue {
+    /// A queue of an application.
+    pub fn borrowed(handle: vk::Queue, family: u32) -> Queue {
+        Queue { handle: Mutex::new(handle), family }
+    }
+
+    pub fn lock(&self) -> MutexGuard<'_, vk::Queue> {
+        self.handle.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
     /// The one queue that `device` was made with, of this family.
     pub fn new(device: &ash::Device, family: u32) -> Queue {
         // SAFETY: the device was created with one queue of this family.
@@ -25,14 +34,15 @@ impl Device {
         self.submission().family
     }
 
-    /// The queue, locked: Vulkan wants one thread at a time on it.
+    /// The queue, locked: Vulkan allows one thread at a time on it.
     pub fn queue(&self) -> MutexGuard<'_, vk::Queue> {
-        self.submission().handle.lock().unwrap_or_else(PoisonError::into_inner)
+        self.submission().lock()
     }
 
+    /// Waits for all that was submitted to the queue.
     pub fn wait_idle(&self) -> Result<()> {
-        let _queue = self.queue();
+        let queue = self.queue();
         // SAFETY: the queue is locked.
-        unsafe { self.device_wait_idle() }.check("wait for the device")
+        unsafe { self.queue_wait_idle(*queue) }.check("wait for the device")
     }
 }
