@@ -121,6 +121,6 @@ fn pictures_for_displays_have_no_layers() {
     let output = candela("render knot 5 --size 8x8 --layers", &path);
     let errors = String::from_utf8_lossy(&output.stderr);
     assert_eq!((output.status.code(), errors.lines().count()), (Some(2), 1), "{errors}");
-    assert!(errors.contains("a.png: only .exr files have layers"), "{errors}");
+    assert!(errors.contains("a.png: layers need an .exr"), "{errors}");
     assert!(!path.parent().expect("a folder").exists());
 }

@@ -137,7 +137,7 @@ fn the_picked_pixel_is_explained() {
                 key KeyB\nkey KeyL\nkey KeyU\nframes 2\nkey KeyI\nloaded\nexpect explanation biased mode\nexpect explanation spatial 0\n\
                 resize 120 100\nframes 2\nclick 20 60\nkey KeyI\nresize 100 120\nframes 3\nloaded\n\
                 expect explanation pixel 20 60 of 120x100\nframes 2\nexpect size 100x120\n\
-                click 90 60\nkey KeyB\nkey KeyI\nframes 2\nexpect explanation the reference, which resamples nothing\n\
+                click 90 60\nkey KeyB\nkey KeyI\nframes 2\nexpect explanation the reference, which does not resample\n\
                 click 10 60\nkey KeyI\ndrop SCENES/point-lights.glb\nloaded\nframes 2\nexpect scene point\n\
                 expect explanation\nclick 10 60\nkey KeyI\nclose\n"
         .replace("SCENES", SCENES);

@@ -427,9 +427,9 @@ mod tests {
             ("size = [8, 8]", "size = [8, 8]\naccumulate = { ms = 0 }", "above 0"),
             ("size = [8, 8]", "size = [8, 8]\ntruth = { part = 0.0 }", "above 0"),
             ("size = [8, 8]", "size = [8, 8]\nsteady = { within = 0.0 }", "within"),
-            ("size = [8, 8]", "size = [8, 8]\ntruth = { error = nan }", "inf and nan"),
-            ("size = [8, 8]", "size = [8, 8]\naccumulate = { ms = inf }", "inf and nan"),
-            ("size = [8, 8]", "size = [8, 8]\naccumulate = { ms = 1, targets = [nan] }", "inf and nan"),
+            ("size = [8, 8]", "size = [8, 8]\ntruth = { error = nan }", "inf or nan"),
+            ("size = [8, 8]", "size = [8, 8]\naccumulate = { ms = inf }", "inf or nan"),
+            ("size = [8, 8]", "size = [8, 8]\naccumulate = { ms = 1, targets = [nan] }", "inf or nan"),
             ("size = [8, 8]", "size = [8, 8]\ntimes_only = true\naccumulate = { ms = 1 }", "times_only"),
         ] {
             assert!(SMALL.contains(from), "{from}");
