@@ -119,8 +119,8 @@ fn kept_points_stay_in_the_world() {
             pixels += 1;
             let Some(source) = aims[i].source().map(|source| source as usize) else { continue };
             kept += 1;
-            let here = texel.unpack(&walking(frame), pixel(i), SIZE);
-            let from = |i: usize| before[i].unpack(&walking(frame - 1), pixel(i), SIZE).position;
+            let here = texel.unpack(u32::MAX, &walking(frame), pixel(i), SIZE);
+            let from = |i: usize| before[i].unpack(u32::MAX, &walking(frame - 1), pixel(i), SIZE).position;
             // A place is good to 1/4096 of a pixel of 1/45 rad, here and there, on floors seen from some 40 degrees.
             let near = 4e-5 * here.distance;
             assert!(here.position.distance(from(source)) < near, "frame {frame}, pixel {i}");

@@ -5,6 +5,7 @@
 
 use crate::alpha;
 use crate::bsdf;
+use crate::geometry::SurfacePoint;
 use crate::interface::HitPayload;
 use crate::light::{Incident, LightSample, LightTable};
 use crate::math::{inverse_sqrt, pack_direction, unpack_direction};
@@ -136,6 +137,10 @@ impl PathSample {
 pub struct Reflector {
     /// It reflects toward x1, along `wo`.
     pub surface: Surface,
+    /// Of its triangle, where rays end: world space, m.
+    pub position: Vec3,
+    /// Of its triangle, unit, toward x1.
+    pub normal: Vec3,
     /// From x1 to x2, m.
     pub distance: f32,
     /// cosθ'/d² at x2, sr/m²; 0 where it reflects nothing that way.
@@ -158,11 +163,11 @@ impl Reflector {
 
     /// As a light that sends `radiance` (nit, for one measure of what arrives at x2).
     pub fn incident(&self, radiance: Vec3) -> Incident {
-        let Surface { position, geometric_normal, distance: magnitude, wo, .. } = self.surface;
+        let Surface { distance: magnitude, wo, .. } = self.surface;
         let irradiance = radiance * self.solid_angle;
         Incident {
-            position,
-            normal: geometric_normal,
+            position: self.position,
+            normal: self.normal,
             magnitude,
             direction: -wo,
             distance: self.distance,
@@ -190,9 +195,11 @@ impl<T: Texels> Bounced<'_, T> {
         let inverse = if square > 1e-30 { inverse_sqrt(square) } else { 0.0 };
         let wo = to_receiver * inverse;
         let surface = met.seen.surface(wo, met.magnitude);
-        let cos = surface.geometric_normal.dot(wo).max(0.0);
+        let SurfacePoint { position, geometric_normal, .. } = met.seen.point;
+        let normal = if met.seen.is_front(wo) { geometric_normal } else { -geometric_normal };
+        let cos = normal.dot(wo).max(0.0);
         let solid_angle = if met.seen.reflects(wo) { cos * inverse * inverse } else { 0.0 };
-        Reflector { surface, distance: square * inverse, solid_angle }
+        Reflector { surface, position, normal, distance: square * inverse, solid_angle }
     }
 }
 

@@ -195,6 +195,8 @@ pub mod features {
     pub const ALPHA: u32 = 8;
     /// A ray may end where a light is known: there is an environment map, or a triangle that rays can find.
     pub const TRACEABLE: u32 = 16;
+    /// Light arrives at the curved surfaces that triangles with different normals at their corners stand for, see [`crate::geometry::InstanceGeometry::bulge`].
+    pub const SMOOTH: u32 = 32;
     /// There is an environment map.
     pub const ENVIRONMENT: u32 = 1 << 16;
     /// There are lights of [`crate::light::kind`] k where bit k above this one is set.

@@ -91,7 +91,13 @@ impl Scene<'_> {
         let place = Place { uvs, barycentrics: hit.barycentrics, features: self.features };
         let footprint = footprint(&point, geometry.double_area(triangle.positions));
         let texels = place.texels(textures, &material, footprint);
-        let seen = PrimaryHit { point, material, texels, features: self.features, instance: hit.instance() };
+        let bulge = if self.features & features::SMOOTH != 0 {
+            geometry.bulge(triangle, hit.barycentrics)
+        } else {
+            0.0
+        };
+        let seen =
+            PrimaryHit { point, material, texels, bulge, features: self.features, instance: hit.instance() };
         Met { seen, magnitude: geometry.magnitude(triangle.positions) }
     }
 

@@ -5,7 +5,8 @@ use crate::frame::features;
 use crate::geometry::SurfacePoint;
 use crate::material::{Material, MaterialTexels, NO_TEXTURE, Reflectance, UNLIT_WHITE, flag, slot};
 use crate::math::{
-    offset_ray_origin, pack_direction, pack_unorm16, unpack_direction, unpack_place, unpack_unorm16,
+    offset_ray_origin, pack_direction, pack_direction24, pack_unorm16, unpack_direction, unpack_direction24,
+    unpack_place, unpack_unorm16,
 };
 use bytemuck::{Pod, Zeroable};
 use glam::{UVec2, Vec3};
@@ -13,14 +14,15 @@ use glam::{UVec2, Vec3};
 /// Everything that shading needs to know of one point.
 #[derive(Clone, Copy, Debug)]
 pub struct Surface {
-    /// World space, m.
+    /// Where light arrives, world space, m: the point of the triangle, or of the curved surface that the triangle stands for, if
+    /// that lies above it (see [`crate::geometry::InstanceGeometry::bulge`]).
     pub position: Vec3,
-    /// Distance to the camera, m; 0 where a pixel sees no surface. Where a path goes on: the largest number that `position` was
-    /// computed from, m, which is what the distance is to a ray's origin.
+    /// From the point of the triangle to the camera, m; 0 where a pixel sees no surface. Where a path goes on: the largest number
+    /// that `position` was computed from, m, which is what the distance is to a ray's origin.
     pub distance: f32,
     /// Unit direction to the camera, or back along the path.
     pub wo: Vec3,
-    /// Unit, on that side.
+    /// Of the surface that `position` lies on: the triangle's, or the interpolated one. Unit, on that side.
     pub geometric_normal: Vec3,
     /// Unit shading normal.
     pub normal: Vec3,
@@ -31,10 +33,12 @@ pub struct Surface {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
 #[repr(C)]
 pub struct GBufferTexel {
-    /// f32 bits: the position follows from it, the pixel and the camera. 0: no surface.
+    /// f32 bits: the position follows from it, the pixel and the camera. 0: no surface. Negative: light arrives above the
+    /// triangle, see [`GBufferTexel::lifted`].
     pub distance: u32,
-    /// Error < 1e-4 rad each.
+    /// Of the triangle: error < 1e-4 rad. Lifted: of the curved surface, 24 bits, error < 1e-3 rad | the height, see [`pack_lift`].
     pub geometric_normal: u32,
+    /// Error < 1e-4 rad.
     pub normal: u32,
     /// diffuse r, g | diffuse b, f0 r | f0 g, b: error <= 0.51/65535 each.
     pub reflectance: [u32; 3],
@@ -46,6 +50,23 @@ pub struct GBufferTexel {
 
 /// The bits of an instance.
 const INSTANCE: u32 = (1 << 24) - 1;
+
+/// Of `distance`: light arrives above the triangle.
+const LIFTED: u32 = 1 << 31;
+/// The least height that a code stands for, 2^-14, in f32 bits: a small part of a pixel.
+const LEAST_LIFT: u32 = (127 - 14) << 23;
+/// Of a code, in f32 bits: 16 an octave.
+const LIFT_STEP: u32 = 19;
+
+/// A height in parts of the distance to the camera, 2^-14 to 4, in 8 bits; rounded up, by 1/16 at most.
+fn pack_lift(part: f32) -> u32 {
+    let above = part.to_bits().max(LEAST_LIFT) - LEAST_LIFT;
+    ((above + (1 << LIFT_STEP) - 1) >> LIFT_STEP).min(255)
+}
+
+fn unpack_lift(code: u32) -> f32 {
+    f32::from_bits(LEAST_LIFT + (code << LIFT_STEP))
+}
 
 fn pack2(low: f32, high: f32) -> u32 {
     pack_unorm16(low) | pack_unorm16(high) << 16
@@ -73,6 +94,22 @@ impl GBufferTexel {
         }
     }
 
+    /// Light arrives `lift` m above its point, on a curved surface of unit normal `normal` there, on the camera's side.
+    pub fn lifted(self, lift: f32, normal: Vec3) -> Self {
+        let code = pack_lift(lift / self.distance());
+        let geometric_normal = pack_direction24(normal) | code << 24;
+        GBufferTexel { distance: self.distance | LIFTED, geometric_normal, ..self }
+    }
+
+    fn is_lifted(&self) -> bool {
+        self.distance & LIFTED != 0
+    }
+
+    /// How far above its point light arrives, m.
+    pub fn lift(&self) -> f32 {
+        if self.is_lifted() { unpack_lift(self.geometric_normal >> 24) * self.distance() } else { 0.0 }
+    }
+
     /// Seen through the place in its pixel that `place` packs (see [`crate::math::pack_place`]), not through its center.
     pub fn seen_through(self, place: u32) -> Self {
         let roughness = self.roughness & 0xffff | place << 16;
@@ -95,7 +132,7 @@ impl GBufferTexel {
 
     /// Distance to the camera, m.
     pub fn distance(&self) -> f32 {
-        f32::from_bits(self.distance)
+        f32::from_bits(self.distance & !LIFTED)
     }
 
     /// The shading normal.
@@ -103,8 +140,13 @@ impl GBufferTexel {
         unpack_direction(self.normal)
     }
 
+    /// Of the surface that light arrives at: the triangle's, or the curved one's.
     pub fn geometric_normal(&self) -> Vec3 {
-        unpack_direction(self.geometric_normal)
+        if self.is_lifted() {
+            unpack_direction24(self.geometric_normal)
+        } else {
+            unpack_direction(self.geometric_normal)
+        }
     }
 
     /// Specular reflectance at normal incidence.
@@ -124,15 +166,21 @@ impl GBufferTexel {
         Vec3::new(unpack_unorm16(rg), unpack_unorm16(rg >> 16), unpack_unorm16(b))
     }
 
-    /// The surface of `pixel` seen by `camera` in an image of `size`.
-    pub fn unpack(&self, camera: &Camera, pixel: UVec2, size: UVec2) -> Surface {
+    /// The surface of `pixel` seen by `camera` in an image of `size`, in a scene with `features` (any more do no harm).
+    pub fn unpack(&self, features: u32, camera: &Camera, pixel: UVec2, size: UVec2) -> Surface {
         let direction = camera.direction(pixel.as_vec2() + unpack_place(self.place()), size);
         let distance = self.distance();
+        let mut position = camera.position + direction * distance;
+        let mut geometric_normal = unpack_direction(self.geometric_normal);
+        if features & features::SMOOTH != 0 && self.is_lifted() {
+            geometric_normal = self.geometric_normal();
+            position += geometric_normal * self.lift();
+        }
         Surface {
-            position: camera.position + direction * distance,
+            position,
             distance,
             wo: -direction,
-            geometric_normal: self.geometric_normal(),
+            geometric_normal,
             normal: self.normal(),
             reflectance: Reflectance { diffuse: self.diffuse(), f0: self.f0(), roughness: self.roughness() },
         }
@@ -145,6 +193,8 @@ pub struct PrimaryHit {
     pub point: SurfacePoint,
     pub material: Material,
     pub texels: MaterialTexels,
+    /// How far off the triangle the curved surface that it stands for lies, in front, m; 0 where nobody asks.
+    pub bulge: f32,
     /// [`features`] of the scene.
     pub features: u32,
     /// Index of the [`crate::geometry::InstanceGeometry`].
@@ -157,18 +207,34 @@ impl PrimaryHit {
         if self.material.has(flag::UNLIT) {
             return GBufferTexel::default();
         }
-        GBufferTexel::new(&self.point, self.normal(), self.reflectance(), self.instance, eye)
+        let texel = GBufferTexel::new(&self.point, self.normal(), self.reflectance(), self.instance, eye);
+        let Lit { lift, normal, .. } = self.lit(eye - self.point.position);
+        if lift > 0.0 { texel.lifted(lift, normal) } else { texel }
+    }
+
+    /// Where light arrives that leaves toward `wo`.
+    fn lit(&self, wo: Vec3) -> Lit {
+        let SurfacePoint { position, geometric_normal, normal, .. } = self.point;
+        let side = if self.is_front(wo) { 1.0 } else { -1.0 };
+        // Normals that disagree with the front tell of no surface.
+        let lift = if normal.dot(geometric_normal) > 0.0 { self.bulge * side } else { 0.0 };
+        if lift > 0.0 {
+            Lit { position: position + normal * (side * lift), normal: normal * side, lift }
+        } else {
+            Lit { position, normal: geometric_normal * side, lift: 0.0 }
+        }
     }
 
     /// The same for light that leaves along `wo` (unit), unpacked. `magnitude`: largest number that the position was computed
     /// from, m.
     pub fn surface(&self, wo: Vec3, magnitude: f32) -> Surface {
         let side = if self.is_front(wo) { 1.0 } else { -1.0 };
+        let Lit { position, normal: geometric_normal, .. } = self.lit(wo);
         Surface {
-            position: self.point.position,
+            position,
             distance: magnitude,
             wo,
-            geometric_normal: self.point.geometric_normal * side,
+            geometric_normal,
             normal: visible_normal(self.normal() * side, wo),
             reflectance: self.reflectance(),
         }
@@ -212,6 +278,16 @@ impl PrimaryHit {
             Vec3::ZERO
         }
     }
+}
+
+/// Where light arrives.
+struct Lit {
+    /// World space, m.
+    position: Vec3,
+    /// Of the surface there, unit.
+    normal: Vec3,
+    /// Its height above the triangle, m.
+    lift: f32,
 }
 
 /// Interpolated and mapped normals may point away from the camera at silhouettes, where the BSDF would be black:
@@ -265,7 +341,7 @@ mod tests {
             let normal = Vec3::new(t - 0.5, 0.3, 0.8 - t).normalize();
             let reflectance = Reflectance::from_metallic_roughness(Vec3::new(t, 0.01, 1.0 - t), 0.3, t);
             let texel = GBufferTexel::new(&point(position, normal), normal, reflectance, i, camera.position);
-            let s = texel.unpack(&camera, pixel, size);
+            let s = texel.unpack(u32::MAX, &camera, pixel, size);
             let ulp = distance.max(camera.position.abs().max_element()) * f32::EPSILON;
             assert!(
                 (s.position - position).abs().max_element() <= 4.0 * ulp,
@@ -281,5 +357,33 @@ mod tests {
         }
         assert!(GBufferTexel::default().is_empty());
         assert_eq!(size_of::<GBufferTexel>(), 32);
+    }
+
+    /// Heights come back, never lower and by at most 1/16 higher, with all else that a texel keeps; a scene that is not smooth
+    /// does not ask for them.
+    #[test]
+    fn heights_survive_packing() {
+        let size = UVec2::new(640, 360);
+        let camera = Camera::new(Vec3::new(0.5, 1.5, 4.0), Vec3::new(0.1, -0.2, -1.0), Vec3::Y, 0.9, size);
+        let pixel = UVec2::new(300, 200);
+        let position = camera.position + camera.direction(pixel.as_vec2() + 0.5, size) * 5.0;
+        let normal = Vec3::new(0.2, 0.3, 0.8).normalize();
+        let reflectance = Reflectance::from_metallic_roughness(Vec3::splat(0.3), 0.3, 0.5);
+        let flat = GBufferTexel::new(&point(position, Vec3::Z), normal, reflectance, 7, camera.position);
+        let unlifted = flat.unpack(u32::MAX, &camera, pixel, size);
+        for i in 1..1000 {
+            let lift = 5.0 * 10f32.powf(i as f32 / 1000.0 * 3.0 - 3.0);
+            let texel = flat.lifted(lift, normal);
+            assert!(texel.lift() >= lift && texel.lift() <= lift * 1.0626, "{} for {lift}", texel.lift());
+            let s = texel.unpack(features::SMOOTH, &camera, pixel, size);
+            assert!(
+                (s.position - unlifted.position - normal * texel.lift()).length()
+                    < 1e-3 * texel.lift() + 1e-6
+            );
+            assert!(s.geometric_normal.dot(normal) > 0.999_999 && s.normal == unlifted.normal);
+            assert_eq!((s.distance, s.wo, texel.instance()), (unlifted.distance, unlifted.wo, 7));
+            assert!(!texel.is_empty() && texel.unpack(0, &camera, pixel, size).position == unlifted.position);
+        }
+        assert_eq!(flat.lift(), 0.0);
     }
 }

@@ -99,7 +99,7 @@ impl Stage<'_> {
         if let Some(start) = self.args.time {
             let pose = self.scene.pose(start + f64::from(frame) / f64::from(self.args.fps));
             self.scene.apply(&pose);
-            if self.scene.animation.moves_things() {
+            if self.scene.changes() {
                 renderer.update_scene(&self.scene, &pose)?;
                 self.world.follow(&self.scene, &pose);
             }

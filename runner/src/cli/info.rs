@@ -144,6 +144,7 @@ fn features(scene: &SceneDescription, arrays: &SceneArrays) -> Vec<String> {
         (features::NORMAL_MAPS, "normal maps"),
         (features::UV_MAPS, "texture transforms or a second uv set"),
         (features::ENVIRONMENT, "an environment map"),
+        (features::SMOOTH, "curved surfaces"),
     ] {
         if arrays.features & bit != 0 {
             found.push(name.to_owned());

@@ -43,9 +43,7 @@ pub fn run(args: &RenderArgs, frames: Range<u32>) -> Result<()> {
         return Ok(());
     }
     let knobs = args.knobs.knobs()?;
-    let mut scene = view::load_scene(&args.scene)?;
-    // What the device has of meshes does not change.
-    scene.bend(Some(args.picture.time.unwrap_or(0.0)));
+    let scene = view::load_scene(&args.scene)?;
     view::camera(&scene, &args.picture)?;
     let device = Device::new(&args.device.options())?;
     let gpu_scene = GpuScene::new(&device, &scene)?;
@@ -131,7 +129,7 @@ impl Film<'_> {
         let time = self.args.picture.time.unwrap_or(0.0) + f64::from(frame) / f64::from(self.args.fps);
         let pose = self.scene.pose(time);
         self.scene.apply(&pose);
-        if self.scene.animation.moves_things() {
+        if self.scene.changes() {
             self.renderer.update_scene(&self.scene, &pose)?;
         }
         view::camera(&self.scene, &self.args.picture)

@@ -24,7 +24,6 @@ pub fn pose(scene: &mut SceneDescription, time: Option<f64>) {
     if let Some(time) = time {
         let pose = scene.pose(time);
         scene.apply(&pose);
-        scene.bend(Some(time));
     }
 }
 

@@ -23,7 +23,7 @@ use crate::gpu_scene::arrays::{SceneArrays, environment_texels};
 use crate::scene::animation::Pose;
 use crate::scene::{SceneDescription, lights};
 use glam::{Affine3A, UVec2, Vec3};
-use rays::{Hit, Occluders};
+use rays::{Hit, Occluders, Places};
 use record::{PassReport, Shading, SurfaceReport, Survivor};
 use replay::Replay;
 use shared::alpha;
@@ -55,6 +55,8 @@ pub struct World<'a> {
 struct Past {
     /// Object to world of each of the scene's instances.
     transforms: Vec<Affine3A>,
+    /// Object space, m; none: as they are now.
+    positions: Option<Vec<Vec3>>,
     lights: Vec<Light>,
     /// Of each instance geometry.
     motions: Vec<InstanceMotion>,
@@ -77,12 +79,14 @@ impl<'a> World<'a> {
         for (i, _) in pose.instances() {
             arrays.place(i, scene.instances[i].transform);
         }
+        let positions = pose.bent.map(|_| arrays.positions.clone());
+        arrays.bend(scene, pose);
         self.lights.follow(scene, pose);
         let mut motions = vec![InstanceMotion::default(); arrays.instances.len()];
         for (i, &before) in transforms.iter().enumerate() {
             motions[arrays.geometries_of(i)].fill(InstanceMotion::between(before, arrays.transforms[i]));
         }
-        self.past = Some(Past { transforms, lights, motions });
+        self.past = Some(Past { transforms, positions, lights, motions });
     }
 
     /// Sets 0 and 2, as far as bodies read them. Lights keep their indices.
@@ -104,8 +108,11 @@ impl<'a> World<'a> {
 
     /// What lies between the ends of `ray`; `before`: in the previous frame.
     fn blocker(&self, ray: ShadowRay, key: u32, before: bool) -> Option<Hit> {
-        let past = self.past.as_ref().filter(|_| before);
-        let places = past.map_or(&self.occluders.arrays.transforms, |past| &past.transforms);
+        let now = self.occluders.places();
+        let places = self.past.as_ref().filter(|_| before).map_or(now, |past| Places {
+            transforms: &past.transforms,
+            positions: past.positions.as_deref().unwrap_or(now.positions),
+        });
         self.occluders.blocker(places, ray, key)
     }
 
@@ -282,11 +289,12 @@ impl<'a> Explainer<'a> {
     }
 
     fn surface(&self, frame: &FrameConstants, texel: GBufferTexel, seen: Option<&Hit>) -> SurfaceReport {
-        let surface = texel.unpack(&frame.camera, self.pixel, frame.size);
+        let surface = texel.unpack(u32::MAX, &frame.camera, self.pixel, frame.size);
         let same = seen.filter(|hit| hit.geometry == texel.instance());
         SurfaceReport {
             position: surface.position.to_array(),
             distance: surface.distance,
+            lift: texel.lift(),
             distance_ulps: same.map(|hit| compare::ulps(hit.t as f32, surface.distance)),
             geometric_normal: surface.geometric_normal.to_array(),
             normal: surface.normal.to_array(),

@@ -17,6 +17,13 @@ pub struct Occluders<'a> {
     pub arrays: SceneArrays,
 }
 
+/// Where everything is: of each of the scene's instances object to world, and the vertices in object space.
+#[derive(Clone, Copy)]
+pub struct Places<'a> {
+    pub transforms: &'a [Affine3A],
+    pub positions: &'a [Vec3],
+}
+
 /// What a ray met first.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Hit {
@@ -50,27 +57,32 @@ struct Meets {
 }
 
 impl Occluders<'_> {
-    /// What lies between the ends of `ray` where `places` (object to world) has the scene's instances; both sides of
-    /// everything do. `key`: of [`shared::alpha`].
-    pub fn blocker(&self, places: &[Affine3A], ray: ShadowRay, key: u32) -> Option<Hit> {
+    /// Where everything is now.
+    pub fn places(&self) -> Places<'_> {
+        Places { transforms: &self.arrays.transforms, positions: &self.arrays.positions }
+    }
+
+    /// What lies between the ends of `ray` where everything is at `places`; both sides of everything do. `key`: of
+    /// [`shared::alpha`].
+    pub fn blocker(&self, places: Places<'_>, ray: ShadowRay, key: u32) -> Option<Hit> {
         self.nearest(places, [ray.origin, ray.direction], 1.0, key, false)
     }
 
     /// What a ray from the eye sees: single-sided surfaces only from their front.
     pub fn seen(&self, eye: Vec3, direction: Vec3, key: u32) -> Option<Hit> {
-        self.nearest(&self.arrays.transforms, [eye, direction], f64::INFINITY, key, true)
+        self.nearest(self.places(), [eye, direction], f64::INFINITY, key, true)
     }
 
     /// What a ray meets first that is surely in the way.
     pub fn surely_met(&self, origin: Vec3, direction: Vec3) -> Option<Hit> {
-        self.nearest(&self.arrays.transforms, [origin, direction], f64::INFINITY, SURE_HITS_ONLY, false)
+        self.nearest(self.places(), [origin, direction], f64::INFINITY, SURE_HITS_ONLY, false)
     }
 
-    fn nearest(&self, places: &[Affine3A], ray: [Vec3; 2], t_max: f64, key: u32, culls: bool) -> Option<Hit> {
+    fn nearest(&self, places: Places<'_>, ray: [Vec3; 2], t_max: f64, key: u32, culls: bool) -> Option<Hit> {
         let (mut nearest, mut hit) = (t_max, None);
         let ray = ray.map(Vec3::as_dvec3);
         for placement in &self.arrays.placements {
-            self.each_triangle(placement, &places[placement.instance], ray, |candidate| {
+            self.each_triangle(placement, places, ray, |candidate| {
                 let culled = culls && !candidate.double_sided && !candidate.meets.front;
                 if candidate.meets.t <= nearest && !culled && self.stops(&candidate, key) {
                     nearest = candidate.meets.t;
@@ -85,10 +97,11 @@ impl Occluders<'_> {
     fn each_triangle<'a>(
         &'a self,
         placement: &'a Placement,
-        transform: &Affine3A,
+        places: Places<'_>,
         [origin, direction]: [DVec3; 2],
         mut meet: impl FnMut(Candidate<'a>),
     ) {
+        let transform = &places.transforms[placement.instance];
         let (matrix, translation) = (transform.matrix3.as_dmat3(), transform.translation.as_dvec3());
         // Facing is decided in object space: a mirror turns what the world sees.
         let mirrored = matrix.determinant() < 0.0;
@@ -98,7 +111,7 @@ impl Occluders<'_> {
             for triangle in 0..range.triangle_count {
                 let corners = self
                     .corners(&self.arrays.instances[geometry], triangle)
-                    .map(|vertex| matrix * self.arrays.positions[vertex].as_dvec3() + translation - origin);
+                    .map(|vertex| matrix * places.positions[vertex].as_dvec3() + translation - origin);
                 if let Some(meets) = intersect(corners, direction) {
                     let meets = Meets { front: meets.front != mirrored, ..meets };
                     let (opaque, double_sided) = (range.opaque, part.double_sided);

@@ -37,6 +37,8 @@ pub struct Explanation {
 pub struct SurfaceReport {
     pub position: [f32; 3],
     pub distance: f32,
+    /// How far above its triangle light arrives, on the curved surface that the triangle stands for, m.
+    pub lift: f32,
     /// Between the GPU's and that of the CPU's primary ray (f64, rounded), if both met the same geometry.
     pub distance_ulps: Option<u64>,
     pub geometric_normal: [f32; 3],

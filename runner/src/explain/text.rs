@@ -65,6 +65,10 @@ impl Explanation {
             None => "the CPU's ray met another geometry".into(),
         };
         writeln!(f, "surface   at {}, {} m away ({ulps})", vector(s.position), number(s.distance))?;
+        if s.lift > 0.0 {
+            let lift = number(s.lift);
+            writeln!(f, "          {lift} m above its triangle, on the curved surface that it stands for")?;
+        }
         writeln!(f, "          normal {}, geometric {}", vector(s.normal), vector(s.geometric_normal))?;
         let (diffuse, f0) = (vector(s.diffuse), vector(s.f0));
         writeln!(f, "          diffuse {diffuse}, f0 {f0}, roughness {}", number(s.roughness))?;

@@ -1,16 +1,19 @@
 //! A scene as the flat arrays that the GPU reads; still plain CPU data.
 
 use crate::error::{Error, Result};
+use crate::scene::animation::Pose;
 use crate::scene::environment::shines;
 use crate::scene::lights::{LightTable, is_traceable};
 use crate::scene::{AlphaMode, Material, Mesh, Primitive, SceneDescription, Workflow};
 use glam::{Affine3A, Vec2, Vec3, Vec4};
+use rayon::prelude::*;
 use shared::environment::EnvironmentTexel;
 use shared::frame::features;
-use shared::geometry::{InstanceGeometry, VertexAttributes, pack_tangent};
+use shared::geometry::{InstanceGeometry, VertexAttributes, edge_bulge, pack_tangent};
 use shared::material::{NO_TEXTURE, UvMap, flag};
-use shared::math::pack_direction;
+use shared::math::{pack_direction, unpack_direction};
 use shared::motion::NO_LIGHT;
+use std::collections::{BTreeSet, HashSet};
 use std::ops::Range;
 
 /// Everything that set 0 holds, but for textures and acceleration structures.
@@ -87,7 +90,28 @@ impl SceneArrays {
             }
         }
         arrays.set_lights(table);
+        // What is flat at first may bend.
+        if !scene.hard_terminator && (scene.bends() || arrays.is_smooth()) {
+            arrays.features |= features::SMOOTH;
+        }
         Ok(arrays)
+    }
+
+    /// Does a triangle stand for a curved surface?
+    fn is_smooth(&self) -> bool {
+        self.parts.par_iter().flat_map(|part| &part.ranges).any(|range| {
+            let triangles = |t| -> [usize; 3] {
+                let index = |i| self.indices[(range.first_index + 3 * t + i) as usize] + range.first_vertex;
+                [0, 1, 2].map(|i| index(i) as usize)
+            };
+            (0..range.triangle_count).into_par_iter().map(triangles).any(|corners| {
+                [(0, 1), (1, 2), (2, 0)].map(|(i, j)| [corners[i], corners[j]]).iter().any(|&[i, j]| {
+                    let [a, b] = [i, j].map(|vertex| self.attributes[vertex].normal);
+                    let apart = || unpack_direction(b) - unpack_direction(a);
+                    a != b && edge_bulge(self.positions[j] - self.positions[i], apart()) != 0.0
+                })
+            })
+        })
     }
 
     /// Forgets what only the device needs: vertices, indices and materials.
@@ -102,6 +126,25 @@ impl SceneArrays {
         let end = self.placements.partition_point(|p| p.instance <= i);
         let at = |p: usize| self.placements.get(p).map_or(self.instances.len(), |p| p.custom_index as usize);
         at(first)..at(end)
+    }
+
+    /// Parts of the meshes that `pose` bends, by their instances: index of the mesh, and of the part.
+    pub fn bent_parts(&self, scene: &SceneDescription, pose: &Pose) -> BTreeSet<(usize, usize)> {
+        let instances: HashSet<usize> = scene.bent_instances(pose).collect();
+        let bent = self.placements.iter().filter(|placement| instances.contains(&placement.instance));
+        bent.map(|placement| (scene.instances[placement.instance].mesh, placement.part)).collect()
+    }
+
+    /// Bends what `pose` bends to the shape that `scene`, to which it was applied, has it in.
+    pub fn bend(&mut self, scene: &SceneDescription, pose: &Pose) {
+        for (mesh, part) in self.bent_parts(scene, pose) {
+            for range in &self.parts[part].ranges {
+                let (positions, attributes) = vertices(&scene.meshes[mesh].primitives[range.primitive]);
+                let at = range.first_vertex as usize;
+                self.positions[at..][..positions.len()].copy_from_slice(positions);
+                self.attributes[at..][..attributes.len()].copy_from_slice(&attributes);
+            }
+        }
     }
 
     /// Puts the scene's instance `i` at `transform`.
@@ -154,9 +197,10 @@ impl SceneArrays {
             triangle_count: index32(primitive.indices.len() / 3)?,
             opaque,
         };
-        self.positions.extend_from_slice(&primitive.positions);
+        let (positions, attributes) = vertices(primitive);
+        self.positions.extend_from_slice(positions);
         self.indices.extend_from_slice(&primitive.indices);
-        self.attributes.extend((0..primitive.positions.len()).map(|i| attributes(primitive, i)));
+        self.attributes.extend(attributes);
         if self.features & features::UV_MAPS != 0 {
             let uv = |i: usize| primitive.second_uvs.get(i).copied().unwrap_or_default();
             self.second_uvs.extend((0..primitive.positions.len()).map(uv));
@@ -164,6 +208,12 @@ impl SceneArrays {
         index32(self.indices.len())?;
         Ok(range)
     }
+}
+
+/// The vertices of a primitive as the GPU has them: positions, attributes.
+pub fn vertices(primitive: &Primitive) -> (&[Vec3], Vec<VertexAttributes>) {
+    let count = primitive.positions.len();
+    (&primitive.positions, (0..count).map(|i| attributes(primitive, i)).collect())
 }
 
 /// Indices are 32 bits wide on the GPU.

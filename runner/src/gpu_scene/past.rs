@@ -1,20 +1,20 @@
 //! The previous state of a scene that changes, on the device. Made at the first change: a scene that stands still has
 //! none of it.
 
-use super::arrays::environment_texels;
-use super::{GpuScene, STORAGE, environment_size, tlas_instances};
+use super::arrays::{environment_texels, vertices};
+use super::{GpuScene, STORAGE, environment_size, geometries as geometries_of, tlas_instances};
 use crate::error::{Error, Result};
 use crate::scene::SceneDescription;
 use crate::scene::animation::Pose;
 use crate::scene::lights::{LightEdits, LightTable, inverse_map, light_maps};
 use crate::vulkan::{
-    Binding, Buffer, DescriptorSet, Device, Memory, SetLayout, TlasUpdate, Uploader, full_barrier,
+    Binding, BlasUpdate, Buffer, DescriptorSet, Device, Memory, SetLayout, TlasUpdate, Uploader, full_barrier,
 };
 use ash::vk;
 use bytemuck::{Pod, Zeroable, cast_slice};
-use glam::Affine3A;
+use glam::{Affine3A, Vec3};
 use shared::frame::features;
-use shared::geometry::InstanceGeometry;
+use shared::geometry::{InstanceGeometry, VertexAttributes};
 use shared::light::Light;
 use shared::light::count::LightCount;
 use shared::motion::{InstanceMotion, NO_LIGHT};
@@ -28,6 +28,8 @@ const SAME: [u32; 4] = [0, 1, 2, 3];
 pub struct Past {
     set: DescriptorSet,
     tlas: TlasUpdate,
+    /// Of meshes that bend.
+    blas: Option<BlasUpdate>,
     /// As in the previous frame.
     lights: Buffer,
     motions: Buffer,
@@ -49,11 +51,21 @@ pub struct Past {
 struct Changes {
     any: bool,
     instances: BTreeSet<usize>,
+    /// Of meshes that have another shape, by their first vertex.
+    vertices: BTreeMap<usize, Vertices>,
+    /// Indices of their [`super::arrays::Part`]s.
+    parts: BTreeSet<usize>,
     /// Ranges that don't overlap: first -> end.
     lights: BTreeMap<usize, usize>,
     alias: bool,
     /// The light buffers were exchanged: previous and current lights have different indices.
     lights_replaced: bool,
+}
+
+/// Of a primitive.
+struct Vertices {
+    positions: Vec<Vec3>,
+    attributes: Vec<VertexAttributes>,
 }
 
 /// The layout of set 2.
@@ -67,7 +79,7 @@ pub fn layout(device: &Device) -> Result<SetLayout> {
 }
 
 impl GpuScene {
-    /// The next frame shows what `pose` moved where `scene`, to which it was applied, has it now. Instances, lights and
+    /// The next frame shows what `pose` moved and bent where `scene`, to which it was applied, has it now. Instances, lights and
     /// materials must be those that the scene was made with, but for [`GpuScene::replace_lights`].
     pub fn update(&mut self, device: &Device, scene: &SceneDescription, pose: &Pose) -> Result<()> {
         self.settle(device, scene)?;
@@ -75,6 +87,14 @@ impl GpuScene {
         for (i, _) in pose.instances() {
             past.now.instances.insert(i);
             self.arrays.place(i, scene.instances[i].transform);
+        }
+        for (mesh, part) in self.arrays.bent_parts(scene, pose) {
+            past.now.parts.insert(part);
+            for range in &self.arrays.parts[part].ranges {
+                let (positions, attributes) = vertices(&scene.meshes[mesh].primitives[range.primitive]);
+                let bent = Vertices { positions: positions.to_vec(), attributes };
+                past.now.vertices.insert(range.first_vertex as usize, bent);
+            }
         }
         let columns = past.table.alias.len();
         let (ranges, alias) = past.table.follow(scene, pose);
@@ -138,6 +158,8 @@ impl GpuScene {
         past.now = Changes {
             any: true,
             instances: std::mem::take(&mut past.now.instances),
+            vertices: std::mem::take(&mut past.now.vertices),
+            parts: std::mem::take(&mut past.now.parts),
             lights_replaced: true,
             ..Changes::default()
         };
@@ -184,9 +206,7 @@ impl GpuScene {
                 record_copy::<Light>(device, cmd, (lights, first), (&past.lights, first), end - first);
             }
         }
-        let instances = tlas_instances(&self.arrays);
-        past.tlas.record(device, cmd, &self.tlas, &self.blas, &instances)?;
-
+        full_barrier(device, cmd);
         let mut staged = Staged::default();
         for &i in past.now.instances.union(&past.before.instances) {
             let transform = self.arrays.transforms[i];
@@ -207,7 +227,13 @@ impl GpuScene {
         if past.now.alias {
             staged.add(Target::Alias, 0, &past.table.alias);
         }
+        for (&first, Vertices { positions, attributes }) in &past.now.vertices {
+            staged.add(Target::Positions, first * size_of::<Vec3>(), positions);
+            staged.add(Target::Attributes, first * size_of::<VertexAttributes>(), attributes);
+        }
         let target = |target| match target {
+            Target::Positions => &self.buffers[&Resource::positions],
+            Target::Attributes => &self.buffers[&Resource::attributes],
             Target::Motions => &past.motions,
             Target::Instances => &self.buffers[&Resource::instances],
             Target::Lights => lights,
@@ -219,6 +245,12 @@ impl GpuScene {
             record_copy::<u8>(device, cmd, (&staging, from), (target(to), offset), size);
         }
         past.staging[0] = Some(staging);
+        full_barrier(device, cmd);
+        if let Some(blas) = &mut past.blas {
+            blas.record(device, cmd, &mut self.blas, &past.now.parts);
+        }
+        let instances = tlas_instances(&self.arrays);
+        past.tlas.record(device, cmd, &self.tlas, &self.blas, &instances)?;
         full_barrier(device, cmd);
         past.before = std::mem::take(&mut past.now);
         past.version += 1;
@@ -258,6 +290,17 @@ impl Past {
             Ok(())
         })?;
         let still = vec![InstanceMotion::zeroed(); geometries];
+        let bent = scene.arrays.bent_parts(description, &Pose { bent: Some(0.0), ..Pose::default() });
+        let mut changing = BTreeMap::new();
+        if !bent.is_empty() {
+            let buffers = [Resource::positions, Resource::indices].map(|name| &scene.buffers[&name]);
+            let all = geometries_of(&scene.arrays, buffers[0], buffers[1]);
+            changing.extend(bent.iter().map(|&(_, part)| (part, all[part].clone())));
+        }
+        let blas = match changing.is_empty() {
+            true => None,
+            false => Some(BlasUpdate::new(device, &changing)?),
+        };
         let set = DescriptorSet::new(device, "past", &layout(device)?, 0)?;
         let past = Past {
             set,
@@ -268,6 +311,7 @@ impl Past {
             table: LightTable::new(description),
             drawn: scene.arrays.transforms.clone(),
             tlas,
+            blas,
             now: Changes::default(),
             before: Changes::default(),
             version: 0,
@@ -286,7 +330,8 @@ impl Past {
 
     fn bytes(&self) -> u64 {
         let staging = self.staging.iter().flatten().map(Buffer::size).sum::<u64>();
-        self.tlas.bytes() + self.lights.size() + self.motions.size() + staging
+        let blas = self.blas.as_ref().map_or(0, BlasUpdate::bytes);
+        self.tlas.bytes() + blas + self.lights.size() + self.motions.size() + staging
     }
 }
 
@@ -297,6 +342,8 @@ fn same(device: &Device) -> Result<[Buffer; 2]> {
 
 #[derive(Clone, Copy)]
 enum Target {
+    Positions,
+    Attributes,
     Motions,
     Instances,
     Lights,

@@ -2,6 +2,7 @@
 //!
 //! Interpolation follows glTF 2.0, appendix C, in f64.
 
+use super::deform::Deformed;
 use super::{Bounds, SceneDescription};
 use glam::{DAffine3, DQuat, DVec3, DVec4, Vec3};
 
@@ -89,6 +90,8 @@ pub enum Interpolation {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Pose {
     pub places: Vec<(Thing, DAffine3)>,
+    /// When the meshes that change their shape have the one that is shown, s; none: no mesh does.
+    pub bent: Option<f64>,
 }
 
 /// Times at which [`Animation::swept`] looks.
@@ -101,7 +104,7 @@ impl Animation {
         self.channels.iter().filter_map(Channel::end).chain(morphs).fold(0.0, f32::max)
     }
 
-    /// Does anything move but cameras? Only then does the device need to know the past.
+    /// Does anything have another place but cameras?
     pub fn moves_things(&self) -> bool {
         self.attached.iter().any(|(thing, _)| !matches!(thing, Thing::Camera(_)))
     }
@@ -114,7 +117,8 @@ impl Animation {
     /// Where everything is at `time` (s).
     pub fn pose(&self, time: f64) -> Pose {
         let worlds = self.worlds(Some(time));
-        Pose { places: self.attached.iter().map(|&(thing, node)| (thing, worlds[node])).collect() }
+        let places = self.attached.iter().map(|&(thing, node)| (thing, worlds[node])).collect();
+        Pose { places, bent: None }
     }
 
     /// Node to world of every node at `time` (s); none: at rest.
@@ -163,11 +167,20 @@ impl Pose {
 impl SceneDescription {
     /// Where what moves is at `time` (s); see [`SceneDescription::apply`].
     pub fn pose(&self, time: f64) -> Pose {
-        self.animation.pose(time)
+        Pose { bent: self.bends().then_some(time), ..self.animation.pose(time) }
     }
 
-    /// Puts everything where `pose` says. What has lost its direction (scaled to nothing) keeps the one it had.
+    /// Does anything change but cameras? Only then does the device need to know the past.
+    pub fn changes(&self) -> bool {
+        self.animation.moves_things() || self.bends()
+    }
+
+    /// Puts everything where `pose` says, and bends what it bends. What has lost its direction (scaled to nothing) keeps the one it
+    /// had.
     pub fn apply(&mut self, pose: &Pose) {
+        if let Some(time) = pose.bent {
+            self.bend(Some(time), Deformed::changes);
+        }
         for &(thing, world) in &pose.places {
             match thing {
                 Thing::Instance(i) => self.instances[i].transform = world.as_affine3a(),

@@ -167,7 +167,7 @@ fn what_is_scaled_to_nothing_keeps_its_direction() {
     let mut scene = turntable();
     let nothing = DAffine3::from_scale(DVec3::ZERO);
     let places = scene.animation.attached.iter().map(|&(thing, _)| (thing, nothing)).collect();
-    scene.apply(&Pose { places });
+    scene.apply(&Pose { places, bent: None });
     assert_eq!((scene.lights[1], scene.cameras[0].forward), (spot(Vec3::Y), Vec3::Z));
 }
 

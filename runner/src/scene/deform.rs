@@ -3,10 +3,12 @@
 //! A scene's meshes hold what is drawn; here is what they were modelled as, and [`SceneDescription::bend`] makes the one of the
 //! other.
 
+use super::animation::{Pose, Track};
 use super::{Primitive, SceneDescription};
-use crate::parallel;
 use glam::{DAffine3, DMat3, DVec3, Vec3};
+use rayon::prelude::*;
 use shared::math::normalize_or;
+use std::collections::HashSet;
 
 /// A mesh that bends.
 #[derive(Clone, Debug)]
@@ -74,37 +76,73 @@ pub enum JointPlace {
 }
 
 impl SceneDescription {
-    /// Bends all meshes as they are at `time`, s; none: at rest.
-    pub fn bend(&mut self, time: Option<f64>) {
+    /// Bends the meshes that are `wanted` as they are at `time`, s; none: at rest.
+    pub fn bend(&mut self, time: Option<f64>, wanted: impl Fn(&Deformed) -> bool) {
         let worlds = self.animation.worlds(time);
-        let weights = |deformed: &Deformed| {
-            let tracks = time.zip(deformed.morph.map(|morph| &self.animation.morphs[morph]));
-            tracks.map_or(deformed.weights.clone(), |(time, tracks)| {
-                tracks.iter().map(|track| track.at(time)).collect()
+        let wanted: Vec<&Deformed> = self.deformed.iter().filter(|deformed| wanted(deformed)).collect();
+        // Out of the scene, and back: meshes have lists of their own, which keep their memory.
+        let meshes: Vec<_> = wanted
+            .into_iter()
+            .map(|deformed| (deformed, std::mem::take(&mut self.meshes[deformed.mesh].primitives)))
+            .collect();
+        let morphs = &self.animation.morphs;
+        let bent: Vec<_> = meshes
+            .into_par_iter()
+            .map(|(deformed, mut primitives)| {
+                deformed.bend(&mut primitives, &deformed.weights_at(time, morphs), &worlds);
+                (deformed.mesh, primitives)
             })
-        };
-        let bent = parallel::map(&self.deformed, |deformed| deformed.at(&weights(deformed), &worlds));
-        for (deformed, primitives) in self.deformed.iter().zip(bent) {
-            self.meshes[deformed.mesh].primitives = primitives;
+            .collect();
+        for (mesh, primitives) in bent {
+            self.meshes[mesh].primitives = primitives;
         }
     }
 
     /// Does a mesh change its shape with time?
     pub fn bends(&self) -> bool {
-        let moves = |joint: &Joint| matches!(joint.place, JointPlace::Node(_));
-        let bends = |deformed: &Deformed| {
-            deformed.morph.is_some() || deformed.skin.iter().flat_map(|skin| &skin.joints).any(moves)
-        };
-        self.deformed.iter().any(bends)
+        self.deformed.iter().any(Deformed::changes)
+    }
+
+    /// Meshes that `pose` bends.
+    pub fn bent_meshes(&self, pose: &Pose) -> impl Iterator<Item = usize> {
+        let changes = self.deformed.iter().filter(|deformed| deformed.changes());
+        changes.map(|deformed| deformed.mesh).filter(|_| pose.bent.is_some())
+    }
+
+    /// Instances of meshes that `pose` bends.
+    pub fn bent_instances(&self, pose: &Pose) -> impl Iterator<Item = usize> {
+        let meshes: HashSet<usize> = self.bent_meshes(pose).collect();
+        let instances = self.instances.iter().enumerate();
+        instances.filter(move |(_, instance)| meshes.contains(&instance.mesh)).map(|(i, _)| i)
     }
 }
 
 impl Deformed {
-    /// Its primitives with these `weights` of the morph targets; `worlds`: of the animation's nodes.
-    fn at(&self, weights: &[f64], worlds: &[DAffine3]) -> Vec<Primitive> {
+    /// Does its shape change with time?
+    pub fn changes(&self) -> bool {
+        let moves = |joint: &Joint| matches!(joint.place, JointPlace::Node(_));
+        self.morph.is_some() || self.skin.iter().flat_map(|skin| &skin.joints).any(moves)
+    }
+
+    /// Weights of its morph targets at `time`, s; `morphs`: the animation's.
+    fn weights_at(&self, time: Option<f64>, morphs: &[Vec<Track<f64>>]) -> Vec<f64> {
+        match time.zip(self.morph) {
+            Some((time, morph)) => morphs[morph].iter().map(|track| track.at(time)).collect(),
+            None => self.weights.clone(),
+        }
+    }
+
+    /// Makes `primitives`, which it has bent before, if there are any, what they are with these `weights` of the morph targets;
+    /// `worlds`: of the animation's nodes.
+    fn bend(&self, primitives: &mut Vec<Primitive>, weights: &[f64], worlds: &[DAffine3]) {
         let joints = self.skin.as_ref().map(|skin| skin.matrices(worlds));
         let joints = joints.as_deref().unwrap_or_default();
-        self.rest.iter().map(|primitive| primitive.bent(weights, joints)).collect()
+        if primitives.len() != self.rest.len() {
+            let plain = |rest: &Primitive| Primitive { bends: Bends::default(), ..rest.clone() };
+            *primitives = self.rest.iter().map(plain).collect();
+        }
+        let both = self.rest.par_iter().zip(primitives);
+        both.for_each(|(rest, bent)| rest.bend(bent, weights, joints));
     }
 }
 
@@ -124,10 +162,13 @@ impl Skin {
 }
 
 impl Primitive {
-    /// `weights` of the morph targets; `joints`: what each does to a vertex.
-    fn bent(&self, weights: &[f64], joints: &[DAffine3]) -> Primitive {
+    /// Gives `bent`, which is as this one in all else, the shape of `weights` of the morph targets and of `joints`: what each does
+    /// to a vertex.
+    fn bend(&self, bent: &mut Primitive, weights: &[f64], joints: &[DAffine3]) {
         let Bends { targets, influences, flat } = &self.bends;
-        let mut bent = Primitive { bends: Bends::default(), ..self.clone() };
+        bent.positions.clone_from(&self.positions);
+        bent.normals.clone_from(&self.normals);
+        bent.tangents.clone_from(&self.tangents);
         for (target, &weight) in targets.iter().zip(weights) {
             if weight == 0.0 {
                 continue;
@@ -163,7 +204,6 @@ impl Primitive {
             *tangent = unit(tangent.truncate(), rest.truncate()).extend(tangent.w);
         }
         bent.settle(self);
-        bent
     }
 
     /// Gives each triangle, which has corners of its own, its own normal.

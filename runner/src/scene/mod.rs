@@ -42,6 +42,9 @@ pub struct SceneDescription {
     pub animation: animation::Animation,
     /// What bends; its meshes hold the shape at rest, or what [`SceneDescription::bend`] made of it.
     pub deformed: Vec<deform::Deformed>,
+    /// Light arrives at triangles as they are, not at the curved surfaces that they stand for
+    /// ([`shared::geometry::InstanceGeometry::bulge`]).
+    pub hard_terminator: bool,
     /// One line each: what the file has and the picture will not show, and why.
     pub warnings: Vec<String>,
 }

@@ -27,7 +27,7 @@ impl EnvironmentSource {
     }
 }
 
-/// What lights a scene apart from the lights that it brings, and how strong its emission is.
+/// What lights a scene apart from the lights that it brings, how strong its emission is, and where light arrives.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Illumination {
     /// Lights of the atrium or the town, or of a file that brings no light and has no environment around it.
@@ -37,12 +37,20 @@ pub struct Illumination {
     pub emissive_scale: f32,
     /// Of points and spots that bring none, m.
     pub light_radius: f32,
+    /// See [`SceneDescription::hard_terminator`].
+    pub hard_terminator: bool,
 }
 
 impl Illumination {
     /// So many point lights, and nothing else.
     pub fn points(lights: usize) -> Self {
-        Illumination { lights, environment: None, emissive_scale: 1.0, light_radius: 0.0 }
+        Illumination {
+            lights,
+            environment: None,
+            emissive_scale: 1.0,
+            light_radius: 0.0,
+            hard_terminator: false,
+        }
     }
 }
 
@@ -68,7 +76,8 @@ impl SceneSource {
 
 /// Loads or generates a scene, and lights it.
 pub fn load(source: &SceneSource, illumination: &Illumination) -> Result<SceneDescription> {
-    let &Illumination { lights, ref environment, emissive_scale, light_radius } = illumination;
+    let &Illumination { lights, ref environment, emissive_scale, light_radius, hard_terminator } =
+        illumination;
     let mut scene = startup::timed("scene", || match source {
         SceneSource::Atrium => Ok(atrium::atrium(lights)),
         SceneSource::Knot => Ok(knot::knot()),
@@ -84,5 +93,6 @@ pub fn load(source: &SceneSource, illumination: &Illumination) -> Result<SceneDe
         scatter(&mut scene, lights, SCATTER_SEED);
     }
     scene.lights.iter_mut().for_each(|light| light.soften(light_radius));
+    scene.hard_terminator = hard_terminator;
     Ok(scene)
 }

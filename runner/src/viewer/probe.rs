@@ -102,7 +102,7 @@ impl ProbeSlot {
         let texel = content.texel;
         Ok(Some(Probe {
             pixel,
-            surface: (!texel.is_empty()).then(|| texel.unpack(&camera, pixel, size)),
+            surface: (!texel.is_empty()).then(|| texel.unpack(u32::MAX, &camera, pixel, size)),
             instance: texel.instance(),
             reservoirs: content.reservoirs[..reservoirs.min(RESERVOIRS)].to_vec(),
             radiance: content.radiance,

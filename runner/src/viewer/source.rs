@@ -50,7 +50,8 @@ impl Source {
             SceneSource::Town => "town".to_string(),
             SceneSource::File(path) => quoted(path),
         };
-        let Illumination { lights, environment, emissive_scale, light_radius } = &self.illumination;
+        let Illumination { lights, environment, emissive_scale, light_radius, hard_terminator } =
+            &self.illumination;
         let sky = environment.as_ref().map_or(String::new(), |environment| {
             let EnvironmentSource { path, scale, rotation } = environment;
             let option = |name: &str, value: f32, usual: f32| match value == usual {
@@ -68,7 +69,8 @@ impl Source {
             0.0 => String::new(),
             radius => format!(" --light-radius {radius}"),
         };
-        format!("{scene} {lights}{sky}{emission}{radius}")
+        let terminator = if *hard_terminator { " --hard-terminator" } else { "" };
+        format!("{scene} {lights}{sky}{emission}{radius}{terminator}")
     }
 }
 

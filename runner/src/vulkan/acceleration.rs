@@ -57,7 +57,7 @@ impl Structure {
         Ok(Structure { device: device.clone(), handle })
     }
 
-    fn address(&self) -> vk::DeviceAddress {
+    pub(super) fn address(&self) -> vk::DeviceAddress {
         let info =
             vk::AccelerationStructureDeviceAddressInfoKHR::default().acceleration_structure(self.handle);
         // SAFETY: the structure is alive.
@@ -91,7 +91,7 @@ pub(super) struct Build {
     ranges: Vec<vk::AccelerationStructureBuildRangeInfoKHR>,
     kind: vk::AccelerationStructureTypeKHR,
     /// Bytes of the structure and of scratch, each aligned.
-    size: u64,
+    pub(super) size: u64,
     pub(super) scratch: u64,
 }
 
@@ -151,8 +151,8 @@ impl Build {
 pub(super) fn record_builds(
     device: &Device,
     cmd: vk::CommandBuffer,
-    builds: &[Build],
-    targets: &[Structure],
+    builds: &[&Build],
+    targets: &[&Structure],
     scratch: vk::DeviceAddress,
 ) {
     let mut address = scratch;
@@ -172,10 +172,15 @@ pub(super) fn record_builds(
     memory_barrier(device, cmd, (build, Access::ACCELERATION_STRUCTURE_WRITE_KHR), after);
 }
 
+fn refs<T>(list: &[T]) -> Vec<&T> {
+    list.iter().collect()
+}
+
 /// Compacted bottom-level structures, by index.
 pub struct BlasSet {
     structures: Vec<Structure>,
-    addresses: Vec<vk::DeviceAddress>,
+    /// Of those that instances refer to: what changes has others than these ([`super::bottom_level`]).
+    pub(super) addresses: Vec<vk::DeviceAddress>,
     storage: Vec<Buffer>,
 }
 
@@ -221,7 +226,8 @@ impl BlasSet {
         let handles: Vec<_> = loose.iter().map(|s| s.handle).collect();
         let queries = CompactedSizes::new(device, handles.len() as u32)?;
         device.submit_once("build bottom-level acceleration structures", |cmd| {
-            record_builds(device, cmd, builds, &loose, scratch);
+            let (builds, targets) = (refs(builds), refs(&loose));
+            record_builds(device, cmd, &builds, &targets, scratch);
             queries.record(cmd, &handles);
             Ok(())
         })?;
@@ -245,7 +251,12 @@ impl BlasSet {
 }
 
 /// Bottom-level structures of these sizes in one buffer.
-fn place(device: &Device, name: &str, first: usize, sizes: &[u64]) -> Result<(Vec<Structure>, Buffer)> {
+pub(super) fn place(
+    device: &Device,
+    name: &str,
+    first: usize,
+    sizes: &[u64],
+) -> Result<(Vec<Structure>, Buffer)> {
     let total = sizes.iter().map(|&size| align_up(size, STRUCTURE_ALIGNMENT)).sum();
     let buffer = storage(device, name, total)?;
     let kind = vk::AccelerationStructureTypeKHR::BOTTOM_LEVEL;
@@ -265,7 +276,7 @@ fn place(device: &Device, name: &str, first: usize, sizes: &[u64]) -> Result<(Ve
     Ok((structures, buffer))
 }
 
-fn blas_build(device: &Device, index: usize, mesh: &[BlasGeometry]) -> Result<Build> {
+pub(super) fn blas_build(device: &Device, index: usize, mesh: &[BlasGeometry]) -> Result<Build> {
     let limits = device.limits();
     let triangles: u64 = mesh.iter().map(|g| u64::from(g.triangle_count)).sum();
     check_limit(device, &format!("geometries of mesh {index}"), mesh.len() as u64, limits.max_geometries)?;
@@ -362,12 +373,10 @@ impl Tlas {
         let build = Build::of_instances(device, records.address(), instances.len() as u32);
         let Tlas { structure, storage } = Tlas::empty(device, "TLAS", &build)?;
         let (_scratch, scratch) = scratch(device, build.scratch)?;
-        let (builds, targets) = ([build], [structure]);
         device.submit_once("build the top-level acceleration structure", |cmd| {
-            record_builds(device, cmd, &builds, &targets, scratch);
+            record_builds(device, cmd, &[&build], &[&structure], scratch);
             Ok(())
         })?;
-        let [structure] = targets;
         Ok(Tlas { structure, storage })
     }
 

@@ -4,6 +4,7 @@
 //! Recording takes raw `vk::CommandBuffer`s: whoever records keeps what the commands use alive until they have run.
 
 pub mod acceleration;
+pub mod bottom_level;
 pub mod buffer;
 pub mod commands;
 mod compaction;
@@ -35,6 +36,7 @@ pub mod upload;
 mod testing;
 
 pub use acceleration::{BlasGeometry, BlasSet, Tlas, TlasInstance};
+pub use bottom_level::BlasUpdate;
 pub use buffer::{Buffer, Memory};
 pub use commands::{CommandRing, FrameCommands, Scope, full_barrier, memory_barrier};
 pub use descriptors::{Binding, DescriptorSet, PushSet, SetLayout};

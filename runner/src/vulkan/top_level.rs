@@ -63,7 +63,7 @@ impl TlasUpdate {
         unsafe { device.acceleration().cmd_copy_acceleration_structure(cmd, &copy) };
         super::full_barrier(device, cmd);
         let build = Build::of_instances(device, buffer.address(), self.count);
-        record_builds(device, cmd, &[build], std::slice::from_ref(&tlas.structure), self.scratch);
+        record_builds(device, cmd, &[&build], &[&tlas.structure], self.scratch);
         Ok(())
     }
 }

@@ -47,7 +47,7 @@ pub fn cells(
         i += 1;
     }
     let texel = gbuffer[frame.pixel_index(pixel) as usize];
-    let surface = texel.unpack(&frame.camera, pixel, frame.size);
+    let surface = texel.unpack(at.features, &frame.camera, pixel, frame.size);
     let visibility = at.beliefs(beliefs, place).of(belief::ALL, 1.0);
     (0, Cell::of(frame, &surface, pixel, sum, visibility))
 }

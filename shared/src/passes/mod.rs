@@ -157,7 +157,7 @@ impl<'a> At<'a> {
 
     /// What this pixel sees; its texel must not be empty.
     pub fn surface(&self, texel: &GBufferTexel) -> Surface {
-        texel.unpack(&self.frame.camera, self.pixel, self.frame.size)
+        texel.unpack(self.features, &self.frame.camera, self.pixel, self.frame.size)
     }
 
     pub fn texel(&self, gbuffer: &[GBufferTexel]) -> GBufferTexel {

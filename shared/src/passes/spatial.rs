@@ -57,7 +57,7 @@ pub fn spatial<V: Visibility>(
             let neighbor = reservoirs[reservoir_index(frame, place, at.lane) as usize];
             let neighbor = confidence::of_neighbor(settings, neighbor);
             let texel = gbuffer[frame.pixel_index(place) as usize];
-            let there = texel.unpack(&frame.camera, place, frame.size);
+            let there = texel.unpack(at.features, &frame.camera, place, frame.size);
             let mut cross = CrossProposal::new(table, &surface, canonical, &there, neighbor);
             note.cross(&mut cross);
             let added = merge.add(cross, u, v);

@@ -75,7 +75,7 @@ pub fn temporal<V: Visibility>(
         note.merged(history, at_history, merge.add(history, at_history, unit_f32(random.y)));
         return merge.finish();
     }
-    let there = previous_texel.unpack(&frame.previous_camera, pixel, frame.size);
+    let there = previous_texel.unpack(at.features, &frame.previous_camera, pixel, frame.size);
     let same_point = !moving && (lasts != 0 || there.is_same_point(&surface));
     let history = confidence::of_history(frame, history, same_point, fresh);
     let mut cross = if moving {

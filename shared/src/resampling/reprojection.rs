@@ -122,7 +122,7 @@ mod tests {
             let normal = (now * before.inverse()).transform_vector3(facing);
             let pixel = frame.camera.project(world - eye, SIZE).as_uvec2().min(SIZE - 1);
             // The surface is where its pixel's ray says.
-            let surface = texel(world, normal, eye).unpack(&frame.camera, pixel, SIZE);
+            let surface = texel(world, normal, eye).unpack(u32::MAX, &frame.camera, pixel, SIZE);
             let exact = |p: Vec3| -> DVec3 {
                 let object = now.inverse().matrix3.as_dmat3() * (p - Vec3::from(now.translation)).as_dvec3();
                 before.matrix3.as_dmat3() * object + before.translation.as_dvec3()

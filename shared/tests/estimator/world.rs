@@ -95,7 +95,8 @@ impl World {
         let place = |i: usize| aims.get(i).map_or(CENTER, |aim| aim.place);
         let texels = self.pixels().enumerate().map(|(i, pixel)| self.texel(&camera, pixel, place(i)));
         let gbuffer: Vec<_> = texels.collect();
-        let surfaces = self.pixels().zip(&gbuffer).map(|(p, t)| t.unpack(&camera, p, self.size)).collect();
+        let surfaces =
+            self.pixels().zip(&gbuffer).map(|(p, t)| t.unpack(u32::MAX, &camera, p, self.size)).collect();
         View { camera, gbuffer, surfaces, aims }
     }
 

@@ -67,7 +67,10 @@ impl Views {
     /// What frame `index` sees.
     pub fn surfaces(&self, index: u32) -> Vec<Surface> {
         let (camera, texels) = (&self.cameras[index as usize & 1], &self.gbuffers[index as usize & 1]);
-        pixels(self.size).zip(texels).map(|(pixel, texel)| texel.unpack(camera, pixel, self.size)).collect()
+        pixels(self.size)
+            .zip(texels)
+            .map(|(pixel, texel)| texel.unpack(u32::MAX, camera, pixel, self.size))
+            .collect()
     }
 }
 

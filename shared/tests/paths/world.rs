@@ -151,7 +151,7 @@ impl World {
     pub fn view(&self, eye: Vec3, forward: Vec3) -> View<'_> {
         let camera = Camera::new(eye, forward, Vec3::new(0.1, 1.0, 0.2).normalize(), 0.5, UVec2::ONE);
         let texel = self.texel(&camera, UVec2::ZERO, UVec2::ONE);
-        let surface = texel.unpack(&camera, UVec2::ZERO, UVec2::ONE);
+        let surface = texel.unpack(u32::MAX, &camera, UVec2::ZERO, UVec2::ONE);
         View { world: self, camera, gbuffer: [texel], surface }
     }
 }

@@ -96,6 +96,10 @@ pub struct SceneArgs {
     /// Radius of points and spots that have none, for soft shadows: points become spheres, spots disks, with the same flux.
     #[arg(long, value_name = "METRES", value_parser = positive)]
     pub light_radius: Option<f32>,
+    /// Let light arrive at triangles as they are, not at the curved surfaces that their normals tell of: it is cut off along edges of
+    /// low-poly meshes.
+    #[arg(long)]
+    pub hard_terminator: bool,
 }
 
 #[derive(Args, Clone, Debug)]
@@ -179,6 +183,7 @@ impl SceneArgs {
             environment,
             emissive_scale: self.emissive_scale,
             light_radius: self.light_radius.unwrap_or(0.0),
+            hard_terminator: self.hard_terminator,
         }
     }
 

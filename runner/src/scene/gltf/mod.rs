@@ -292,11 +292,7 @@ impl Loader<'_> {
         self.scene.materials = self.materials.materials;
         let primitives = self.scene.meshes.iter_mut().flat_map(|mesh| &mut mesh.primitives);
         primitives.for_each(|primitive| primitive.bends = Bends::default());
-        self.scene.bend(None);
-        if self.scene.bends() {
-            let text = "skins and morph targets deform in stills (--time T); sequences and the viewer keep their first shape";
-            self.warnings.add(text, &format!("{} meshes", self.scene.deformed.len()));
-        }
+        self.scene.bend(None, |_| true);
         let lights = lights::most(&self.scene);
         if lights > MAX_LIGHTS as u64 {
             return Err(format!(

@@ -5,6 +5,7 @@ use crate::scene::SceneDescription;
 use crate::scene::animation::{Pose, Thing};
 use shared::light::{self, Light};
 use shared::motion::NO_LIGHT;
+use std::collections::HashSet;
 use std::ops::Range;
 
 /// Which of the former placed lights is which.
@@ -29,22 +30,13 @@ impl LightTable {
                     let radius = self.lights[i].scene_radius();
                     changed.push(self.set(i, scene.lights[i].light(|| radius)));
                 }
-                Thing::Instance(i) => {
-                    let instance = &scene.instances[i];
-                    let primitives = &scene.meshes[instance.mesh].primitives;
-                    for (p, primitive) in primitives.iter().enumerate() {
-                        let Some(emission) = &self.emitters.0[instance.mesh][p] else { continue };
-                        let material = &scene.materials[primitive.material];
-                        let range = self.of_primitives[i][p].clone();
-                        let moved = emitter_lights(instance, primitive, emission, material);
-                        for (at, light) in range.clone().zip(moved) {
-                            self.set(at, light);
-                        }
-                        changed.push(range);
-                    }
-                }
+                Thing::Instance(i) => self.follow_instance(scene, i, &mut changed),
                 Thing::Camera(_) => {}
             }
+        }
+        let moved: HashSet<usize> = pose.instances().map(|(i, _)| i).collect();
+        for i in scene.bent_instances(pose).filter(|i| !moved.contains(i)) {
+            self.follow_instance(scene, i, &mut changed);
         }
         let stale = changed.iter().any(|range| {
             let off = |light: &Light| {
@@ -60,6 +52,22 @@ impl LightTable {
             self.alias = light::build_alias_table(&self.lights);
         }
         (changed, stale)
+    }
+
+    /// Moves the lights of instance `i` to where its triangles are now. Textured emitters keep their parts.
+    fn follow_instance(&mut self, scene: &SceneDescription, i: usize, changed: &mut Vec<Range<usize>>) {
+        let instance = &scene.instances[i];
+        let primitives = &scene.meshes[instance.mesh].primitives;
+        for (p, primitive) in primitives.iter().enumerate() {
+            let Some(emission) = &self.emitters.0[instance.mesh][p] else { continue };
+            let material = &scene.materials[primitive.material];
+            let range = self.of_primitives[i][p].clone();
+            let moved = emitter_lights(instance, primitive, emission, material);
+            for (at, light) in range.clone().zip(moved) {
+                self.set(at, light);
+            }
+            changed.push(range);
+        }
     }
 
     /// Puts a light in place of another one, whose power it keeps: that is what the alias table knows.
@@ -132,7 +140,8 @@ mod tests {
         let mut table = LightTable::new(&scene);
         for (scale, rebuilt) in [(0.5, false), (2.0, true), (2.0, false), (0.0, true)] {
             let world = DAffine3::from_scale(DVec3::splat(scale)) * DAffine3::from_rotation_y(0.4);
-            let pose = Pose { places: vec![(Thing::Instance(1), world), (Thing::Light(0), world)] };
+            let pose =
+                Pose { places: vec![(Thing::Instance(1), world), (Thing::Light(0), world)], bent: None };
             scene.apply(&pose);
             let (changed, alias) = table.follow(&scene, &pose);
             assert_eq!(changed, [1..4, 4..7, 0..1]);

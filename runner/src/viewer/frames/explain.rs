@@ -43,7 +43,7 @@ impl Frames {
         let Question { pixel, camera, options, .. } = question;
         let explanation = next_frame(recorder, &mut side.history, &world, *camera, options, *pixel)?;
         let held = match self.posed {
-            Some(time) if self.scene.animation.moves_things() => {
+            Some(time) if self.scene.changes() => {
                 format!(
                     "at {time:.3} s, held still for this frame; `candela explain --time` replays frames in motion\n\n"
                 )

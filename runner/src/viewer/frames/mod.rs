@@ -197,7 +197,7 @@ impl Frames {
         let pose = self.scene.pose(time);
         self.scene.apply(&pose);
         self.posed = Some(time);
-        if self.scene.animation.moves_things() {
+        if self.scene.changes() {
             self.moved = Some(pose);
         }
     }

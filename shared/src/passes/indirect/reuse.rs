@@ -42,7 +42,7 @@ pub fn temporal<V: Visibility, T: Texels>(
         return current;
     };
     let index = frame.pixel_index(place.pixel) as usize;
-    let there = previous_gbuffer[index].unpack(&frame.previous_camera, place.pixel, frame.size);
+    let there = previous_gbuffer[index].unpack(at.features, &frame.previous_camera, place.pixel, frame.size);
     let history = history[index].capped(frame.settings.confidence_cap * current.confidence);
     let same_point = place.lasts != 0 || there.is_same_point(&surface);
     if !V::TRACES && !same_point {

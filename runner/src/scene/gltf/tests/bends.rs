@@ -61,7 +61,7 @@ fn a_bar_of_two_bones_bends() {
     assert!(scene.bends());
     assert_near(&shown(&scene, 0).0, &bent(0.0), "at rest");
     for time in [0.0f32, 0.25, 0.5, 1.0, 7.0] {
-        scene.bend(Some(time.into()));
+        scene.bend(Some(time.into()), |_| true);
         assert_near(&shown(&scene, 0).0, &bent(FRAC_PI_2 * time.min(1.0)), &format!("{time} s"));
     }
     // Where the bones share a corner, it is in the middle of where each would have it.
@@ -70,7 +70,7 @@ fn a_bar_of_two_bones_bends() {
     file.attribute("JOINTS_0", &[0u8, 1, 0, 0].repeat(4), 5121, "VEC4");
     file.attribute("WEIGHTS_0", &floats(&half), 5126, "VEC4");
     let mut scene = file.load().unwrap();
-    scene.bend(Some(1.0));
+    scene.bend(Some(1.0), |_| true);
     let elbow = Vec3::new(5.0, 0.5, 0.0);
     let between = QUAD.map(|p| {
         let p = p + Vec3::X * 5.0;
@@ -80,7 +80,7 @@ fn a_bar_of_two_bones_bends() {
     // Weights count by their share.
     file.attribute("WEIGHTS_0", &floats(&half.iter().map(|w| w * 3.0).collect::<Vec<_>>()), 5126, "VEC4");
     let mut scene = file.load().unwrap();
-    scene.bend(Some(1.0));
+    scene.bend(Some(1.0), |_| true);
     assert_near(&shown(&scene, 0).0, &between, "weights whose sum is 3");
 }
 
@@ -168,7 +168,7 @@ fn weights_move() {
     for (time, lift, shift) in
         [(0.0, 0.0, 1.0), (0.25, 0.25, 0.75), (1.0, 1.0, 0.0), (2.0, 0.75, 0.25), (9.0, 0.5, 0.5)]
     {
-        scene.bend(Some(time));
+        scene.bend(Some(time), |_| true);
         assert_near(&shown(&scene, 0).0, &morphed(lift, shift), &format!("{time} s"));
     }
     // In-tangents, values and out-tangents of all targets: flat tangents give 3t² - 2t³.
@@ -176,7 +176,7 @@ fn weights_move() {
     let spline = floats(&[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]);
     file.channel(0, "weights", "CUBICSPLINE", &[0.0, 1.0], &spline, 5126, "SCALAR");
     let mut scene = file.load().unwrap();
-    scene.bend(Some(0.25));
+    scene.bend(Some(0.25), |_| true);
     let eased = 3.0 * 0.0625 - 2.0 * 0.015625;
     assert_near(&shown(&scene, 0).0, &morphed(eased, 1.0 - eased), "a spline");
 }
@@ -214,7 +214,7 @@ fn broken_bends_leave_meshes_as_modelled() {
         let mut file = bar();
         plant(&mut file);
         let mut scene = file.load().unwrap();
-        scene.bend(Some(1.0));
+        scene.bend(Some(1.0), |_| true);
         assert_near(&shown(&scene, 0).0, &QUAD, text);
         assert!(scene.warnings.iter().any(|w| w.contains(text)), "{text}: {:?}", scene.warnings);
     }
