@@ -2,13 +2,15 @@
 
 use super::Reason;
 use super::warnings::Warnings;
-use Effect::{Drawn, Lacks, Needed, None as Nothing};
+use Effect::{Drawn, Lacks, Needed, None as Nothing, Partly};
 
 /// What an extension does to the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Effect {
     /// What it should.
     Drawn,
+    /// It is drawn but for this, which is said where a material asks for it.
+    Partly(&'static str),
     /// It is ignored, so the picture lacks this.
     Lacks(&'static str),
     /// Nothing: it says what a picture does not show.
@@ -54,8 +56,8 @@ pub const EXTENSIONS: &[(&str, Effect)] = &[
     ("KHR_materials_iridescence", Lacks("iridescence")),
     ("KHR_materials_pbrSpecularGlossiness", Drawn),
     ("KHR_materials_sheen", Lacks("sheen")),
-    ("KHR_materials_specular", Lacks("the strength and color of dielectric reflections")),
-    ("KHR_materials_transmission", Lacks("transmission")),
+    ("KHR_materials_specular", Partly("its textures; grazing reflections keep their strength")),
+    ("KHR_materials_transmission", Partly("its texture: surfaces are thin, and pass light straight and without a tint")),
     ("KHR_materials_unlit", Drawn),
     ("KHR_materials_variants", Lacks("all variants of materials but the default")),
     ("KHR_materials_volume", Lacks("absorption in volumes")),
@@ -107,7 +109,7 @@ pub fn check(used: &[String], required: &[String], warnings: &mut Warnings) -> R
     let mut said = std::collections::HashSet::new();
     for name in used.iter().chain(required).filter(|name| said.insert(*name)) {
         match effect(name) {
-            Drawn => {}
+            Drawn | Partly(_) => {}
             Lacks(what) => warnings.add("the picture lacks", &format!("{what} ({name})")),
             Nothing | Needed => warnings.add("extensions without an effect here", name),
         }
@@ -128,6 +130,7 @@ mod tests {
     fn line(name: &str, effect: Effect) -> String {
         match effect {
             Drawn => format!("| `{name}` | drawn |"),
+            Partly(what) => format!("| `{name}` | drawn, but for {what} |"),
             Lacks(what) => format!("| `{name}` | ignored, with a warning: the picture lacks {what} |"),
             Nothing => format!("| `{name}` | ignored: no effect on a picture |"),
             Needed => format!("| `{name}` | a file that requires it is refused |"),

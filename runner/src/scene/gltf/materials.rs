@@ -1,5 +1,6 @@
 //! Materials and textures of a file -> those of the scene.
 
+use super::dielectric;
 use super::geometry::Wear;
 use super::images::{self, Fault, Images};
 use super::warnings::Warnings;
@@ -273,7 +274,9 @@ impl Materials {
             material.base_color = pbr.base_color_factor().into();
             material.metallic = pbr.metallic_factor();
             material.roughness = pbr.roughness_factor();
-            material.specular = Vec3::splat(source.ior().map_or(DIELECTRIC_F0, f0_of_ior));
+            let f0 = source.ior().map_or(DIELECTRIC_F0, f0_of_ior);
+            material.specular = dielectric::specular(source, f0, label, warnings);
+            dielectric::transmit(source, &mut material, label, warnings);
         }
         material.normal_scale = source.normal_texture().map_or(1.0, |normal| normal.scale());
         if !material.unlit {

@@ -6,6 +6,7 @@ mod accessors;
 mod animations;
 mod compressed;
 mod container;
+mod dielectric;
 mod draco;
 mod extensions;
 mod file;

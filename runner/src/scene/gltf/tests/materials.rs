@@ -281,3 +281,48 @@ fn two_sets_of_coordinates_are_kept() {
         {"baseColorTexture": reads(2), "metallicRoughnessTexture": reads(1)}, "normalTexture": reads(0)}));
     assert!(file.load().unwrap().warnings[0].starts_with("textures with more than two sets"));
 }
+
+/// The closed form of the specification: min(f0 color, 1) factor.
+#[test]
+fn strength_and_color_of_reflections_are_read() {
+    let of = |specular: Value| {
+        loaded(json!({"extensions": {"KHR_materials_ior": {"ior": 3.0}, "KHR_materials_specular": specular}}))
+    };
+    let near = |a: Vec3, b: Vec3| (a - b).length() < 1e-6;
+    assert!(near(of(json!({})).0.specular, Vec3::splat(0.25)));
+    assert!(near(of(json!({"specularFactor": 0.5})).0.specular, Vec3::splat(0.125)));
+    let (colored, warnings) = of(json!({"specularFactor": 0.5, "specularColorFactor": [1, 0.5, 8]}));
+    assert!(near(colored.specular, Vec3::new(0.125, 0.0625, 0.5)), "{}", colored.specular);
+    assert!(warnings.is_empty(), "{warnings:?}");
+    let (_, warnings) = of(json!({"specularTexture": {"index": 0}}));
+    assert!(warnings.iter().any(|line| line.contains("specularTexture")), "{warnings:?}");
+    // Nonsense is as if it were not there.
+    assert!(near(of(json!({"specularFactor": "a", "specularColorFactor": 3})).0.specular, Vec3::splat(0.25)));
+}
+
+/// What passes, what is reflected at normal incidence, and what is scattered add up to what the specification says.
+#[test]
+fn thin_surfaces_pass_light() {
+    let of = |t: f32, base: f32, metallic: f32| {
+        loaded(json!({
+            "pbrMetallicRoughness": {"baseColorFactor": [base, base, base, 1], "metallicFactor": metallic},
+            "extensions": {"KHR_materials_transmission": {"transmissionFactor": t}},
+        }))
+    };
+    for (t, base) in [(1.0, 1.0), (1.0, 0.5), (0.5, 0.8), (0.1, 1.0)] {
+        let (m, warnings) = of(t, base, 0.0);
+        assert_eq!((m.alpha, warnings.len()), (AlphaMode::Blend, 1), "{warnings:?}");
+        let alpha = m.base_color.w;
+        assert!((1.0 - alpha - t * base * 0.96).abs() < 1e-5, "passes {}", 1.0 - alpha);
+        assert!((alpha * m.specular.x - 0.04).abs() < 1e-5, "reflects {}", alpha * m.specular.x);
+        assert!((alpha * m.base_color.x - (1.0 - t) * base).abs() < 1e-5, "scatters {}", m.base_color.x);
+    }
+    for (t, metallic) in [(0.0, 0.0), (1.0, 1.0)] {
+        let (m, warnings) = of(t, 1.0, metallic);
+        assert!(m.alpha == AlphaMode::Opaque && warnings.is_empty());
+    }
+    let textured = json!({"pbrMetallicRoughness": {"metallicFactor": 0},
+        "extensions": {"KHR_materials_transmission": {"transmissionFactor": 1, "transmissionTexture": {"index": 0}}}});
+    let (m, warnings) = loaded(textured);
+    assert!(m.alpha == AlphaMode::Opaque && warnings.len() == 1, "{warnings:?}");
+}
