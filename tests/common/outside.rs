@@ -30,18 +30,24 @@ pub fn all() -> Vec<SceneDescription> {
     // As files: a room under a lamp; instances turned, stretched and mirrored, with vertex colors.
     let files = fixtures::all().into_iter().filter(|(name, _)| ["cornell-box", "instances"].contains(name));
     all.extend(files.map(|(_, scene)| scene));
-    all
+    all.into_iter().map(of_triangles).collect()
+}
+
+/// Mitsuba has light arrive at triangles.
+fn of_triangles(scene: SceneDescription) -> SceneDescription {
+    SceneDescription { hard_terminator: true, ..scene }
 }
 
 /// Scenes whose bounced light Mitsuba has rendered, and how many bounces of it: [`UNBOUNDED`] for all.
 pub fn bounced() -> Vec<(SceneDescription, Vec<u32>)> {
-    vec![
+    let all = vec![
         (named("cornell-box"), vec![1, 2, UNBOUNDED]),
         (environment(), vec![2]),
         (in_a_room("metal-room", metal()), vec![1, UNBOUNDED]),
         (in_a_room("dielectric-room", dielectric()), vec![2]),
         (textured_room(), vec![1, 2, UNBOUNDED]),
-    ]
+    ];
+    all.into_iter().map(|(scene, bounces)| (of_triangles(scene), bounces)).collect()
 }
 
 /// The scene called `name`.
