@@ -93,6 +93,8 @@ fn scalars(element: &str) -> &'static str {
         "Aim" => "uu",
         "AliasEntry" => "uuff",
         "Cell" => "fffffffff",
+        "Filtered" => "uuuuuuuu",
+        "Smoothed" => "ffffffff",
         "ListEntry" => "uf",
         "TreeNode" => "fffffffu",
         "BlockSums" => "fff",

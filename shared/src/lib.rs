@@ -40,6 +40,7 @@ pub mod bsdf;
 pub mod camera;
 pub mod cells;
 pub mod counters;
+pub mod denoise;
 pub mod environment;
 pub mod frame;
 pub mod geometry;

@@ -60,6 +60,8 @@ macro_rules! resources {
             (1    indirect_specular    (Vec3)              1      Pixels      { indirect_specular = 37 })
             (1    landings             (u32)               1      Pixels      { landings = 38 })
             (1    hops                 (u32)               1      List        { hops = 39 })
+            (1    smoothed             (Smoothed)          2      Pixels      { smoothed = 40, previous_smoothed = 41 })
+            (1    filtered             (Filtered)          2      Pixels      { filtering = 42, filtered = 43 })
             (2    previous_lights      (Light)             1      Scene       { previous_lights = 1 })
             (2    motions              (InstanceMotion)    1      Scene       { motions = 2 })
             (2    previous_to_current  (u32)               1      Scene       { previous_to_current = 3 })
@@ -73,6 +75,7 @@ pub mod element {
     pub use crate::alias_table::AliasEntry;
     pub use crate::cells::Cell;
     pub use crate::cells::list::ListEntry;
+    pub use crate::denoise::{Filtered, Smoothed};
     pub use crate::environment::EnvironmentTexel;
     pub use crate::geometry::{InstanceGeometry, VertexAttributes};
     pub use crate::light::Light;

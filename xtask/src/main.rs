@@ -85,10 +85,13 @@ fn demo() -> Result<()> {
     setup::run(&setup::Options::default())?;
     let out = command::root().join("out");
     std::fs::create_dir_all(&out).with_context(|| format!("can't create {}", out.display()))?;
-    // The right mean in little time where rays are slow: no spatial reuse, all frames count.
-    let quick = ["--size", "640x360", "--mode", "unbiased", "--no-spatial", "--accumulate"];
-    candela(&[&["render"][..], &quick, &["-o", "out/atrium.png"]].concat())?;
-    println!("The picture is {}", out.join("atrium.png").display());
+    // Small, since rays of processors are slow.
+    let picture = ["--size", "960x540", "--frames", "32"];
+    candela(&[&["render", "--denoise"], &picture[..], &["-o", "out/atrium.png"]].concat())?;
+    println!(
+        "{} shows the atrium, lit by 500 lights: 32 frames, denoised.",
+        out.join("atrium.png").display()
+    );
     Ok(())
 }
 

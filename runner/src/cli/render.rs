@@ -6,14 +6,16 @@ use super::args::{DeviceArgs, KnobArgs, PictureArgs, SceneArgs};
 use super::progress::Steps;
 use super::{output, sequence, truth, view};
 use crate::error::Result;
-use crate::frame::renderer::Renderer;
-use crate::frame::schedule::Work;
+use crate::frame::renderer::{FrameOptions, Renderer};
+use crate::frame::schedule::{Primary, Work};
 use crate::gpu_scene::GpuScene;
 use crate::image_io::PictureFormat;
+use crate::knobs::Knobs;
 use crate::measure::times::PassTimes;
 use crate::startup;
 use crate::vulkan::Device;
 use clap::Args;
+use shared::frame::Settings;
 use shared::resources::Resource;
 use std::ops::Range;
 use std::path::PathBuf;
@@ -45,6 +47,10 @@ pub struct RenderArgs {
     /// better sooner with --no-temporal --no-spatial.
     #[arg(long)]
     pub accumulate: bool,
+    /// Denoise the picture, for the eye: means over frames along surface points and an edge-stopping filter. Its histories are those
+    /// of frames whose mean is taken.
+    #[arg(long, conflicts_with_all = ["accumulate", "layers"])]
+    pub denoise: bool,
     /// Write the truth beside the picture, an .exr: the sum over all lights at the very points that its pixels shaded; of a sequence
     /// one a picture, with #### or {frame} in its name.
     #[arg(long, value_name = "FILE")]
@@ -79,16 +85,13 @@ fn still(args: &RenderArgs, frames: u32) -> Result<()> {
     let camera = view::camera(&scene, &args.picture)?;
     let device = Device::new(&args.device.options())?;
     let gpu_scene = GpuScene::new(&device, &scene)?;
-    let mut settings = knobs.settings(gpu_scene.lights());
-    if args.accumulate {
-        settings = settings.for_a_mean();
-    }
+    let settings = args.settings(&knobs, &gpu_scene);
     let size = args.picture.size;
     let mut renderer = Renderer::new(&device, gpu_scene, size, settings.reservoirs)?;
     if args.accumulate && device.info().is_processor() && (settings.temporal | settings.spatial) != 0 {
         eprintln!("note: on a processor the mean of frames converges faster with --no-temporal --no-spatial");
     }
-    let options = args.picture.options(Work::Restir(settings), knobs.primary);
+    let options = args.options(settings, knobs.primary);
 
     // Radiance is radiance: only what is made for a display looks at one.
     let metered = match format {
@@ -130,6 +133,18 @@ fn still(args: &RenderArgs, frames: u32) -> Result<()> {
     let pixels = u64::from(size.x) * u64::from(size.y);
     println!("rays a frame: at most {} ({rays} a pixel)", rays * pixels);
     output::check_validation(&device)
+}
+
+impl RenderArgs {
+    /// Of its frames, for the scene on the device.
+    pub fn settings(&self, knobs: &Knobs, scene: &GpuScene) -> Settings {
+        let settings = knobs.settings(scene.lights());
+        if self.accumulate || self.denoise { settings.for_a_mean() } else { settings }
+    }
+
+    pub fn options(&self, settings: Settings, primary: Primary) -> FrameOptions {
+        FrameOptions { denoise: self.denoise, ..self.picture.options(Work::Restir(settings), primary) }
+    }
 }
 
 /// Most pictures of one sequence.

@@ -9,7 +9,6 @@ use super::{output, truth, view};
 use crate::error::{Error, Result};
 use crate::exposure;
 use crate::frame::renderer::{FrameOptions, Renderer};
-use crate::frame::schedule::Work;
 use crate::gpu_scene::GpuScene;
 use crate::image_io::PictureFormat;
 use crate::measure::times::PassTimes;
@@ -47,9 +46,9 @@ pub fn run(args: &RenderArgs, frames: Range<u32>) -> Result<()> {
     view::camera(&scene, &args.picture)?;
     let device = Device::new(&args.device.options())?;
     let gpu_scene = GpuScene::new(&device, &scene)?;
-    let settings = knobs.settings(gpu_scene.lights());
+    let settings = args.settings(&knobs, &gpu_scene);
     let renderer = Renderer::new(&device, gpu_scene, args.picture.size, settings.reservoirs)?;
-    let options = args.picture.options(Work::Restir(settings), knobs.primary);
+    let options = args.options(settings, knobs.primary);
     let mut film = Film { args, scene, renderer, options, next: None, times: PassTimes::default() };
     let mut progress = Steps::new(missing.len() as u64, "sequence");
     // The same for all pictures, and for all jobs that share the sequence.

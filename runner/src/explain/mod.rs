@@ -160,7 +160,7 @@ pub fn next_frame(
         ));
     };
     // Radiance is explained as a whole.
-    let options = &FrameOptions { parts: false, ..*options };
+    let options = &FrameOptions { parts: false, denoise: false, ..*options };
     let mut explainer = Explainer::new(world, pixel);
     let see = |history: &History, frame: &FrameConstants, step: &Step| explainer.see(history, frame, step);
     recorder.render_stepwise(history, camera, options, see)?;

@@ -20,6 +20,8 @@ pub struct History {
     pub(super) points: Points,
     /// [`shared::frame::indirect`]: which paths the last frame left.
     pub(super) paths: u32,
+    /// The last frame was denoised.
+    pub(super) denoised: bool,
     /// Frames at rest since points last moved in their pixels.
     pub(super) rested: u32,
     /// [`crate::gpu_scene::GpuScene::version`] that the last frame saw.
@@ -38,6 +40,7 @@ impl History {
             previous_camera: None,
             points: Points::Centers,
             paths: indirect::OFF,
+            denoised: false,
             rested: 0,
             scene: 0,
             reservoirs,

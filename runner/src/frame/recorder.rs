@@ -40,12 +40,22 @@ pub struct FrameOptions {
     pub background: Vec3,
     /// Are direct diffuse, direct specular and emission kept apart until they are resolved? Radiance is the same but for rounding.
     pub parts: bool,
+    /// Is what is shown denoised ([`shared::denoise`])? For the eye: radiance is not that of the estimator.
+    pub denoise: bool,
 }
 
 impl FrameOptions {
     /// Before black, whole, at an exposure of 1.
     pub fn new(work: Work, primary: Primary, seed: u32) -> Self {
-        FrameOptions { work, primary, seed, exposure: 1.0, background: Vec3::ZERO, parts: false }
+        FrameOptions {
+            work,
+            primary,
+            seed,
+            exposure: 1.0,
+            background: Vec3::ZERO,
+            parts: false,
+            denoise: false,
+        }
     }
 }
 
@@ -57,6 +67,7 @@ struct Plan {
     /// Version of the scene that it shows.
     now: u64,
     points: Points,
+    denoises: bool,
     /// It looks at the frame before, and no frame follows it.
     looks_back: bool,
 }
@@ -69,6 +80,7 @@ impl Plan {
             history.points = self.points;
             history.rested = if self.points == Points::Returning { history.rested + 1 } else { 0 };
             history.paths = self.constants.settings.indirect;
+            history.denoised = self.denoises;
         }
     }
 }
@@ -247,14 +259,24 @@ impl Recorder {
         let still =
             !self.ignores_motion && (history.index == 0 || same_points && features & features::ALPHA == 0);
         let has_paths = history.index > 0 && history.paths == settings.indirect;
-        let conditions =
-            Conditions { draws, points, features, moved, still, parts: options.parts, has_paths };
+        let denoise = options.denoise && matches!(options.work, Work::Restir(_));
+        let conditions = Conditions {
+            draws,
+            points,
+            features,
+            moved,
+            still,
+            parts: options.parts || denoise,
+            denoise,
+            denoised: history.index > 0 && history.denoised,
+            has_paths,
+        };
         let (steps, next) = schedule(&options.work, conditions, history.rotation);
         for (_, _, target) in steps.iter().flat_map(|step| &step.targets) {
             history.targets.make(&self.device, target.resource)?;
         }
         self.pipelines.prepare(steps.iter().map(|step| (step.pass, step.variant)))?;
-        Ok(Plan { constants, steps, next, now, points, looks_back })
+        Ok(Plan { constants, steps, next, now, points, denoises: denoise, looks_back })
     }
 
     /// Records passes that look at the frame of `history` that was recorded just before, and at the mean of `reference`.

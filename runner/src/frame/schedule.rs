@@ -4,6 +4,7 @@ use super::pass::Step;
 use super::targets::Target;
 use crate::vulkan::Device;
 use serde::{Deserialize, Serialize};
+use shared::denoise;
 use shared::frame::{Settings, indirect, mode};
 use shared::interface::PassConstants;
 use shared::passes::{Pass, variant};
@@ -72,6 +73,10 @@ pub struct Conditions {
     pub still: bool,
     /// Light is kept in parts until it is resolved.
     pub parts: bool,
+    /// What is shown is denoised, which takes light in parts.
+    pub denoise: bool,
+    /// The frame before was denoised.
+    pub denoised: bool,
     /// The frame before left paths like those that this one draws.
     pub has_paths: bool,
 }
@@ -102,9 +107,13 @@ pub fn schedule(work: &Work, conditions: Conditions, rotation: Rotation) -> (Vec
             surfaces(&mut frame);
             restir_di(&mut frame, settings);
             restir_gi(&mut frame, settings);
-            resolve(&mut frame);
-            if frame.conditions.parts && settings.indirect != indirect::OFF {
-                frame.run(Pass::resolve_indirect);
+            if frame.conditions.denoise {
+                denoise(&mut frame, settings);
+            } else {
+                resolve(&mut frame);
+                if frame.conditions.parts && settings.indirect != indirect::OFF {
+                    frame.run(Pass::resolve_indirect);
+                }
             }
         }
         Work::Reference { lights } => {
@@ -280,6 +289,22 @@ fn resolve(frame: &mut Frame) {
     }
 }
 
+/// The picture from light in parts without its noise, see [`shared::denoise`].
+fn denoise(frame: &mut Frame, settings: &Settings) {
+    let Conditions { moved, denoised, .. } = frame.conditions;
+    let bit = |is: bool, variant: u32| if is { variant } else { 0 };
+    let bounced = settings.indirect != indirect::OFF;
+    let bits = bit(bounced, variant::BOUNCED)
+        | bit(denoised, lasting(frame.conditions) | variant::DENOISED | bit(moved, variant::MOVING));
+    frame.filter(Pass::denoise_temporal, bits, 0);
+    frame.filter(Pass::denoise_variance, 0, 0);
+    for iteration in 0..denoise::ITERATIONS {
+        frame.filter(Pass::denoise_spatial, 0, iteration);
+    }
+    frame.resolved = true;
+    frame.run(Pass::resolve_denoised);
+}
+
 /// Steps that look at a frame, of which `after` is the rotation that it left.
 pub fn looks(passes: &[(Pass, PassConstants)], after: Rotation) -> Vec<Step> {
     let mut frame = Frame::new(Conditions::default(), Rotation { gbuffer: 1 - after.gbuffer, ..after });
@@ -311,6 +336,8 @@ struct Frame {
     /// Reservoirs the next pass reads / the next pass writes.
     input: usize,
     output: usize,
+    /// Copy of what is filtered that the next pass of the denoiser reads.
+    filtering: usize,
     /// Behind `radiance` stands the picture, not yet its emission alone.
     resolved: bool,
     steps: Vec<Step>,
@@ -319,7 +346,15 @@ struct Frame {
 impl Frame {
     fn new(conditions: Conditions, rotation: Rotation) -> Self {
         let (input, output) = (rotation.history, rotation.other(0));
-        Frame { conditions, rotation, input, output, resolved: !conditions.parts, steps: Vec::new() }
+        Frame {
+            conditions,
+            rotation,
+            input,
+            output,
+            filtering: 0,
+            resolved: !conditions.parts,
+            steps: Vec::new(),
+        }
     }
 
     fn run(&mut self, pass: Pass) {
@@ -338,6 +373,13 @@ impl Frame {
         Step::new(pass, variant, constants, |binding| self.target(binding))
     }
 
+    /// A pass of the denoiser; the next one reads what it writes.
+    fn filter(&mut self, pass: Pass, variant: u32, iteration: u32) {
+        let constants = PassConstants { iteration, ..Default::default() };
+        self.steps.push(self.step(pass, variant, constants));
+        self.filtering = 1 - self.filtering;
+    }
+
     /// What was written is read next, in iteration `iteration` of spatial reuse.
     fn exchange(&mut self, iteration: u32) {
         self.input = self.output;
@@ -351,6 +393,10 @@ impl Frame {
             Binding::previous_gbuffer => self.rotation.last_gbuffer(),
             Binding::points => copy(Resource::points, self.rotation.gbuffer),
             Binding::previous_points => copy(Resource::points, 1 - self.rotation.gbuffer),
+            Binding::smoothed => copy(Resource::smoothed, self.rotation.gbuffer),
+            Binding::previous_smoothed => copy(Resource::smoothed, 1 - self.rotation.gbuffer),
+            Binding::filtering => copy(Resource::filtered, self.filtering),
+            Binding::filtered => copy(Resource::filtered, 1 - self.filtering),
             Binding::reservoirs => copy(Resource::reservoirs, self.input),
             Binding::merged => copy(Resource::reservoirs, self.output),
             // The history is dead once it is merged: pairs of pixels tell each other there what they know.

@@ -7,6 +7,7 @@ pub mod accumulate;
 pub mod cells;
 #[cfg(not(target_arch = "spirv"))]
 mod declared;
+pub mod denoise;
 pub mod indirect;
 pub mod initial;
 pub mod learn;
@@ -33,6 +34,7 @@ pub use accumulate::accumulate;
 pub use cells::{cells, mark_cells, pools};
 #[cfg(not(target_arch = "spirv"))]
 pub use declared::{Access, Body, Output, Pass, Rays, Stage, run};
+pub use denoise::{denoise_spatial, denoise_temporal, denoise_variance, resolve_denoised};
 pub use indirect::{
     indirect_initial, indirect_pair_merge, indirect_pair_targets, indirect_shade, indirect_shade_parts,
     indirect_temporal,
@@ -91,6 +93,10 @@ pub mod variant {
     pub const RESTS: u32 = 32;
     /// Light may bounce more than once.
     pub const FURTHER: u32 = 64;
+    /// There is light that bounced.
+    pub const BOUNCED: u32 = 128;
+    /// The previous frame was denoised too.
+    pub const DENOISED: u32 = 256;
 }
 
 /// One thread of a pass, and what is the same for all of them.

@@ -98,6 +98,15 @@ macro_rules! passes {
                 [gbuffer direct_diffuse direct_specular emission] [] [radiance])
             (resolve_indirect Pixels { compute() resolve_indirect }
                 [gbuffer indirect_diffuse indirect_specular] [radiance] [])
+            (denoise_temporal Pixels { compute() denoise_temporal }
+                [gbuffer previous_gbuffer aims motions direct_diffuse direct_specular indirect_diffuse indirect_specular previous_smoothed]
+                [] [smoothed filtered])
+            (denoise_variance Pixels { compute() denoise_variance }
+                [smoothed filtering] [] [filtered])
+            (denoise_spatial Pixels { compute() denoise_spatial }
+                [filtering] [] [filtered])
+            (resolve_denoised Pixels { compute() resolve_denoised }
+                [gbuffer emission smoothed filtering] [] [radiance])
             (tonemap Pixels { compute() tonemap }
                 [radiance] [] [display])
             (accumulate Pixels { compute() accumulate }

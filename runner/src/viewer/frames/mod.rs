@@ -183,9 +183,10 @@ impl Frames {
     /// A frame of one side of the window.
     fn options_of(&self, state: &State, side: usize, exposure: f32) -> FrameOptions {
         let options = self.options(&state.settings[side], exposure);
+        let denoise = state.denoise && !state.accumulate && !state.error && state.view == View::Final;
         match options.work {
-            Work::Restir(settings) if state.accumulate => {
-                FrameOptions { work: Work::Restir(settings.for_a_mean()), ..options }
+            Work::Restir(settings) if state.accumulate || denoise => {
+                FrameOptions { work: Work::Restir(settings.for_a_mean()), denoise, ..options }
             }
             _ => options,
         }

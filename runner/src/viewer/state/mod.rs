@@ -46,6 +46,8 @@ pub struct State {
     pub divider: f32,
     /// Show the mean of all frames since something changed.
     pub accumulate: bool,
+    /// Show frames without their noise, where neither their mean nor their error nor a view of their parts is asked for.
+    pub denoise: bool,
     /// Compare with the reference.
     pub error: bool,
     /// Stops from the automatic exposure.
@@ -88,6 +90,7 @@ impl State {
             split: Split::Off,
             divider: 0.5,
             accumulate: false,
+            denoise: true,
             error: false,
             stops: 0.0,
             rig: rig(scene, first),
@@ -181,6 +184,7 @@ impl State {
             Command::Preset(preset) => self.preset(preset),
             Command::Reset => *self.edited() = self.initial.clone(),
             Command::Accumulate => self.accumulate = !self.accumulate,
+            Command::Denoise => self.denoise = !self.denoise,
             Command::Restart => self.restarts += 1,
             Command::View(view) => self.view = view,
             Command::NextView(step) => self.view = self.view.step(step),
