@@ -1,7 +1,7 @@
 //! What says that two pixels see one surface.
 
 use crate::camera::Camera;
-use crate::math::inverse_sqrt;
+use crate::math::{inverse_sqrt, pack_direction};
 use crate::surface::{GBufferTexel, Surface};
 use glam::{UVec2, Vec2, Vec3};
 
@@ -23,7 +23,7 @@ pub struct PackedGuide {
 impl PackedGuide {
     /// Of `surface`, which `texel` packs and a camera that looks along `forward` sees.
     pub fn new(texel: &GBufferTexel, surface: &Surface, forward: Vec3) -> Self {
-        let plane = texel.geometric_normal;
+        let plane = pack_direction(surface.geometric_normal);
         PackedGuide {
             normal: texel.normal,
             // The upper halves of both coordinates.

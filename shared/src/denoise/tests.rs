@@ -280,7 +280,7 @@ fn similarity_is_symmetric() {
     let guides: Vec<_> = pixels()
         .zip(&gbuffer)
         .map(|(pixel, texel)| {
-            let surface = texel.unpack(&frame.camera, pixel, SIZE);
+            let surface = texel.unpack(u32::MAX, &frame.camera, pixel, SIZE);
             Guide::new(PackedGuide::new(texel, &surface, frame.camera.forward), &frame.camera, pixel, SIZE)
         })
         .collect();

@@ -53,7 +53,8 @@ pub fn denoise_temporal(
             history_of(at, &mut Silent, &surface, then, previous_gbuffer, aims)
         {
             let index = frame.pixel_index(pixel) as usize;
-            let there = previous_gbuffer[index].unpack(&frame.previous_camera, pixel, frame.size);
+            let there =
+                previous_gbuffer[index].unpack(at.features, &frame.previous_camera, pixel, frame.size);
             let same_point = lasts != 0 || there.is_same_point(&surface);
             mean = previous_smoothed[index].lasting(frame, same_point, changed, texel.roughness());
             if changed {
