@@ -124,7 +124,12 @@ fn recipes_name_every_place() {
             "direct_specular",
             &all,
             &["shared/src/resources.rs"],
-            &["runner/src/cli/accumulation.rs", "shared/src/passes/resolve.rs", "shared/src/passes/table.rs"],
+            &[
+                "runner/src/cli/accumulation.rs",
+                "shared/src/passes/denoise/temporal.rs",
+                "shared/src/passes/resolve.rs",
+                "shared/src/passes/table.rs",
+            ],
         ),
         (
             "history_cap",
