@@ -15,7 +15,8 @@ fn run(name: &str, arguments: &[&str]) -> String {
 
 /// Display values of the picture that an example draws, 0 to 255; none without a device.
 fn picture(name: &str, input: &str) -> Option<image::GrayImage> {
-    tests::gpu::device()?;
+    // One after the other: two tests draw the same example into the same file.
+    let _turn = tests::gpu::device()?;
     let file: PathBuf =
         std::env::temp_dir().join(format!("candela-example-{}-{name}.png", std::process::id()));
     run(name, &[input, file.to_str().expect("a name")]);

@@ -114,6 +114,8 @@ impl Renderer {
         if !self.scene().has_unlit() {
             return Ok(None);
         }
+        // Denoised or not, a picture has one exposure: by a frame as it is.
+        let options = &FrameOptions { denoise: false, ..*options };
         // Black does not count.
         self.scene().set_unlit_white(&self.device, 0.0)?;
         self.render(camera, options)?;
