@@ -8,7 +8,7 @@ use candela::scene::{Instance, Material, Mesh, PointLight, Primitive, SceneDescr
 use glam::{Affine3A, DAffine3, DQuat, DVec3, DVec4, UVec2, Vec3};
 use peak_alloc::PeakAlloc;
 use shared::frame::{Settings, mode};
-use tests::gpu::{assert_no_validation_messages, device, options, reference, renderer};
+use tests::gpu::{assert_no_validation_messages, device, options, pose, reference, renderer};
 use tests::scenes::{camera, emitter, scene, square};
 use tests::statistics::{assert_means, largest_z, replicas};
 
@@ -82,12 +82,6 @@ fn bending() -> SceneDescription {
     add(&mut scene, lamp, Some(0), None);
     scene.bend(None, |_| true);
     scene
-}
-
-fn pose(renderer: &mut Renderer, scene: &mut SceneDescription, time: f64) {
-    let pose = scene.pose(time);
-    scene.apply(&pose);
-    renderer.update_scene(scene, &pose).expect("the scene bends");
 }
 
 fn render(renderer: &mut Renderer, settings: Settings, seed: u32) {

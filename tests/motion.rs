@@ -13,7 +13,7 @@ use shared::passes::variant;
 use shared::reservoir::StoredReservoir;
 use shared::resources::Resource;
 use shared::surface::GBufferTexel;
-use tests::gpu::{assert_no_validation_messages, device, options, reference, renderer};
+use tests::gpu::{assert_no_validation_messages, device, options, pose, reference, renderer};
 use tests::scenes::{camera, emitter, scene, square};
 use tests::statistics::{assert_means, largest_z, mean_and_error, replicas};
 
@@ -79,12 +79,6 @@ fn moving() -> SceneDescription {
 fn render(renderer: &mut Renderer, camera: Camera, settings: Settings, seed: u32) {
     let options = options(Work::Restir(settings), seed);
     renderer.render(camera, &options).expect("the frame renders");
-}
-
-fn pose(renderer: &mut Renderer, scene: &mut SceneDescription, time: f64) {
-    let pose = scene.pose(time);
-    scene.apply(&pose);
-    renderer.update_scene(scene, &pose).expect("the scene moves");
 }
 
 /// A camera that moves with the frames, a little.

@@ -10,7 +10,7 @@ use peak_alloc::PeakAlloc;
 use shared::frame::{Settings, mode};
 use shared::math::luminance;
 use std::path::Path;
-use tests::gpu::{assert_no_validation_messages, device, options};
+use tests::gpu::{assert_no_validation_messages, device, options, pose};
 use tests::statistics::mean_and_error;
 
 #[global_allocator]
@@ -61,9 +61,7 @@ fn round(
     mut frame: impl FnMut(&mut Renderer, shared::camera::Camera),
 ) {
     for i in 0..FRAMES {
-        let pose = scene.pose(SECONDS * f64::from(i) / f64::from(FRAMES));
-        scene.apply(&pose);
-        renderer.update_scene(scene, &pose).expect("the scene moves");
+        pose(renderer, scene, SECONDS * f64::from(i) / f64::from(FRAMES));
         let camera = scene.camera(None).expect("it has one").seen_in(SIZE);
         frame(renderer, camera);
     }

@@ -58,6 +58,13 @@ pub fn renderer(device: &Device, scene: &SceneDescription, size: UVec2, reservoi
     Renderer::new(device, scene, size, reservoirs).expect("the renderer fits")
 }
 
+/// The next frame of `renderer` shows `scene` as it is at `time`, s.
+pub fn pose(renderer: &mut Renderer, scene: &mut SceneDescription, time: f64) {
+    let pose = scene.pose(time);
+    scene.apply(&pose);
+    renderer.update_scene(scene, &pose).expect("the scene moves");
+}
+
 /// Options of a frame that is not shown.
 pub fn options(work: Work, seed: u32) -> FrameOptions {
     FrameOptions::new(work, Primary::default(), seed)
