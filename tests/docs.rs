@@ -112,7 +112,8 @@ fn is_named(word: &str, text: &str) -> bool {
 fn recipes_name_every_place() {
     // The viewer, where `accumulate` has its place in the frame, and plans have other things of that name.
     let gpu = ["shared/src", "shaders/src", "runner/src/frame", "runner/src/vulkan"];
-    let all = ["shared/src", "shaders/src", "runner/src"];
+    let all =
+        ["shared/src", "shaders/src", "runner/src", "runner/lab/src", "runner/viewer/src", "runner/cli/src"];
     for (word, folders, written, used) in [
         (
             "accumulate",
@@ -125,7 +126,7 @@ fn recipes_name_every_place() {
             &all,
             &["shared/src/resources.rs"],
             &[
-                "runner/src/cli/accumulation.rs",
+                "runner/cli/src/accumulation.rs",
                 "shared/src/passes/denoise/temporal.rs",
                 "shared/src/passes/resolve.rs",
                 "shared/src/passes/table.rs",

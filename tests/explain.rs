@@ -1,12 +1,12 @@
 //! `candela explain`: the CPU's replay of single pixels comes to what the GPU computed, and says so when it does not.
 
-use candela::explain::record::{Merged, PassReport};
-use candela::explain::{Explanation, World, check_pixel, next_frame};
 use candela::frame::rays;
 use candela::frame::renderer::{FrameOptions, Renderer};
 use candela::frame::schedule::{Primary, Work};
 use candela::scene::{AlphaMode, Material, PointLight, Primitive, SceneDescription, gltf};
 use candela::vulkan::Device;
+use candela_lab::explain::record::{Merged, PassReport};
+use candela_lab::explain::{Explanation, World, check_pixel, next_frame};
 use glam::{UVec2, Vec3, Vec4};
 use shared::camera::Camera;
 use shared::frame::{Settings, mode};

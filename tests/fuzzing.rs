@@ -1,8 +1,8 @@
 //! A slice of `cargo xtask fuzz` with a fixed seed, and faults that it must find.
 
 use candela::knobs::Knobs;
-use candela::measure::sweep::plan::Plan;
 use candela::scene::{EnvironmentSource, environment, gltf};
+use candela_lab::measure::sweep::plan::Plan;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 

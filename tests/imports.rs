@@ -1,17 +1,18 @@
-//! Who imports what in `runner`: each room knows only those below it, and each large library has its own room.
+//! Who imports what in `runner`: each room knows only those below it, each large library has its own room, and trees of
+//! dependencies hold only what a package is for.
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
+use std::process::Command;
 use tests::docs::{files, workspace};
 
-/// A room imports only from those before it.
-const ROOMS: [&str; 17] = [
+/// The rooms of the library and of the measurements. A room imports only from those before it.
+const ROOMS: [&str; 13] = [
     "error",
-    "stdout",
     "files",
     "exposure",
     "parallel",
-    "shader_library",
     "startup",
     "image_io",
     "scene",
@@ -21,28 +22,20 @@ const ROOMS: [&str; 17] = [
     "knobs",
     "explain",
     "measure",
-    "viewer",
-    "cli",
 ];
 
 /// A library, and the rooms that may name it.
-const LIBRARIES: [(&str, &[&str]); 13] = [
-    ("ash_window", &["vulkan"]),
-    ("clap", &["cli"]),
-    ("egui", &["viewer"]),
-    ("egui_ash_renderer", &["viewer"]),
-    ("egui_winit", &["viewer"]),
-    ("exr", &["image_io"]),
-    ("gltf", &["scene"]),
-    ("gpu_allocator", &["vulkan", "viewer"]),
-    ("indicatif", &["cli"]),
-    ("raw_window_handle", &["vulkan"]),
-    ("toml", &["measure"]),
-    ("tracing_subscriber", &["main"]),
-    ("winit", &["viewer"]),
-];
+const LIBRARIES: [(&str, &[&str]); 4] =
+    [("exr", &["image_io"]), ("gltf", &["scene"]), ("gpu_allocator", &["vulkan"]), ("toml", &["measure"])];
 
-/// The first part of a file's path: `viewer` of `viewer/panels/help.rs`, `error` of `error.rs`.
+/// Libraries that show windows, or need one.
+const WINDOWS: [&str; 7] =
+    ["ash-window", "egui", "egui-winit", "raw-window-handle", "wayland-client", "winit", "x11rb"];
+
+/// Libraries for programs, which a library leaves to those.
+const PROGRAMS: [&str; 3] = ["clap", "indicatif", "tracing-subscriber"];
+
+/// The first part of a file's path: `scene` of `scene/gltf/mod.rs`, `error` of `error.rs`.
 fn room(file: &Path) -> String {
     let first = file.components().next().map(|part| part.as_os_str().to_string_lossy().into_owned());
     first.unwrap_or_default().trim_end_matches(".rs").to_owned()
@@ -107,10 +100,10 @@ fn faults(room: &str, text: &str) -> Vec<String> {
 
 #[test]
 fn rooms_know_only_those_below_and_libraries_have_their_rooms() {
-    let source = workspace().join("runner/src");
+    let sources = ["runner/src", "runner/lab/src"].map(|source| workspace().join(source));
     let mut faults_found = Vec::new();
-    for file in files(&source, "rs") {
-        let inside = file.strip_prefix(&source).unwrap();
+    for file in sources.iter().flat_map(|source| files(source, "rs")) {
+        let inside = sources.iter().find_map(|source| file.strip_prefix(source).ok()).unwrap();
         let is_test = inside.components().any(|part| part.as_os_str() == "tests")
             || inside.file_stem().is_some_and(|stem| stem.to_string_lossy().ends_with("tests"));
         if is_test || inside == Path::new("lib.rs") {
@@ -126,18 +119,52 @@ fn rooms_know_only_those_below_and_libraries_have_their_rooms() {
 /// Negative control: each kind of fault is seen, and nothing else.
 #[test]
 fn faults_are_seen() {
-    assert_eq!(faults("measure", "use crate::cli::view;\nuse indicatif::ProgressBar;").len(), 2);
-    assert_eq!(faults("frame", "#[derive(Debug, clap::ValueEnum)]").len(), 1);
+    assert_eq!(faults("measure", "use crate::attic::view;\nuse exr::image;").len(), 2);
+    assert_eq!(faults("frame", "#[derive(Debug, toml::ValueEnum)]").len(), 1);
     assert_eq!(faults("scene", "use crate::attic::Box;").len(), 1);
-    assert_eq!(faults("frame", "use crate::{cli::{args, view}, error::Error, viewer};").len(), 2);
+    assert_eq!(faults("frame", "use crate::{explain::{rays, text}, error::Error, measure};").len(), 2);
     assert_eq!(
-        faults("cli", "use clap;\nuse crate::measure::sweep;\nuse crate::cli::args;"),
+        faults("measure", "use toml;\nuse crate::explain::rays;\nuse crate::measure::sweep;"),
         Vec::<String>::new()
     );
-    assert_eq!(faults("explain", "explain::clap::x my_clap::y"), Vec::<String>::new());
-    assert_eq!(program("a\n// clap::b\n#[cfg(test)]\nmod tests {\nuse clap::c;"), "a");
+    assert_eq!(faults("explain", "explain::exr::x my_exr::y"), Vec::<String>::new());
+    assert_eq!(program("a\n// exr::b\n#[cfg(test)]\nmod tests {\nuse exr::c;"), "a");
     assert_eq!(
-        (room(Path::new("viewer/gui.rs")), room(Path::new("error.rs"))),
-        ("viewer".into(), "error".into())
+        (room(Path::new("vulkan/image.rs")), room(Path::new("error.rs"))),
+        ("vulkan".into(), "error".into())
+    );
+}
+
+/// Names of all packages that `package` is linked from, on this machine.
+fn tree(package: &[&str]) -> BTreeSet<String> {
+    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+    let mut command = Command::new(cargo);
+    command.args(["tree", "-e", "normal", "--prefix", "none", "--locked", "--offline", "-p"]).args(package);
+    let output = command.current_dir(workspace()).output().expect("cargo runs");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let text = String::from_utf8(output.stdout).expect("it prints text");
+    text.lines().filter_map(|line| line.split(' ').next()).map(str::to_owned).collect()
+}
+
+fn among(tree: &BTreeSet<String>, names: &[&str]) -> Vec<String> {
+    names.iter().filter(|name| tree.contains(**name)).map(|name| name.to_string()).collect()
+}
+
+#[test]
+fn the_library_has_no_window_and_no_command_line() {
+    let library = tree(&["candela"]);
+    assert!(library.contains("ash") && library.contains("shared"), "{library:?}");
+    assert_eq!(among(&library, &[WINDOWS.as_slice(), &PROGRAMS].concat()), Vec::<String>::new());
+    assert_eq!(
+        among(&tree(&["candela-lab"]), &[WINDOWS.as_slice(), &PROGRAMS].concat()),
+        Vec::<String>::new()
+    );
+    let blind = tree(&["candela-cli", "--no-default-features"]);
+    assert_eq!(among(&blind, &WINDOWS), Vec::<String>::new());
+    // Negative control: the whole program has all of them.
+    let whole = tree(&["candela-cli"]);
+    assert_eq!(
+        among(&whole, &[WINDOWS.as_slice(), &PROGRAMS].concat()).len(),
+        WINDOWS.len() + PROGRAMS.len()
     );
 }

@@ -1,9 +1,9 @@
 //! Light in parts: together they are the picture, alone they are what they are called, and who does not ask has none.
 
-use candela::explain::compare::ulps;
 use candela::frame::renderer::{FrameOptions, Renderer};
 use candela::frame::schedule::{Conditions, Primary, Rotation, Work, schedule};
 use candela::scene::{Material, SceneDescription};
+use candela_lab::explain::compare::ulps;
 use glam::{UVec2, Vec3, Vec4};
 use shared::camera::Camera;
 use shared::frame::{Settings, features, mode};

@@ -6,9 +6,9 @@
 //! decides what is seen: those pixels (alpha 0 in the references) are not compared.
 
 use candela::frame::schedule::Work;
-use candela::measure::mean::Mean;
-use candela::measure::metrics::{metrics, with_flip};
 use candela::scene::{PlacedLight, SceneDescription, interchange};
+use candela_lab::measure::mean::Mean;
+use candela_lab::measure::metrics::{metrics, with_flip};
 use glam::{Affine3A, DAffine3, IVec2, UVec2, Vec3, Vec4};
 use shared::camera::Camera;
 use shared::frame::{Settings, mode};
@@ -63,7 +63,7 @@ fn largest_around(values: &[f64], size: UVec2) -> Vec<f64> {
 struct Comparison {
     /// Mean luminance over the truth's.
     mean_ratio: f64,
-    /// See [`candela::measure::metrics::Metrics`].
+    /// See [`candela_lab::measure::metrics::Metrics`].
     relative_mse: f64,
     flip: f64,
     /// Largest error of a pixel's channel in units of what is allowed, and where.

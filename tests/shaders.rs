@@ -1,6 +1,5 @@
 //! The committed shaders are fresh, and agree with `shared` and the host on everything that no compiler checks.
 
-use candela::shader_library;
 use rspirv::spirv::{ExecutionModel, StorageClass};
 use shader_builder::manifest::{Manifest, Toolchain};
 use shared::interface::{HitPayload, PassConstants, ShadowPayload, WORKGROUP};
@@ -62,9 +61,9 @@ fn the_same_compiler_gives_the_same_bytes() {
 #[test]
 fn every_module_has_its_entry_point() {
     let manifest = Manifest::read(workspace()).unwrap();
-    let library: Vec<_> = shader_library::MODULES.iter().map(|(stem, _)| *stem).collect();
+    let library: Vec<_> = candela_assets::MODULES.iter().map(|(stem, _)| *stem).collect();
     assert_eq!(library.len(), manifest.modules.len());
-    for &(stem, code) in shader_library::MODULES {
+    for &(stem, code) in candela_assets::MODULES {
         assert!(manifest.modules.contains_key(stem), "{stem} is in the library and not in the manifest");
         let expected = match Pass::ALL.iter().find(|pass| pass.stem() == stem).map(|pass| pass.stage()) {
             Some(Stage::Compute) => ExecutionModel::GLCompute,
@@ -121,7 +120,7 @@ fn bound_at(place: (u32, u32)) -> Option<Binding> {
 
 #[test]
 fn buffers_have_the_layout_of_their_structs() {
-    for &(stem, code) in shader_library::MODULES {
+    for &(stem, code) in candela_assets::MODULES {
         for (place, layout) in Spirv::parse(code).bindings() {
             let Some(binding) = bound_at(place) else { continue };
             let (scalars, size) = (scalars(binding.resource().element()), binding.resource().stride());
@@ -136,7 +135,7 @@ fn buffers_have_the_layout_of_their_structs() {
 #[test]
 fn frame_constants_have_one_layout() {
     let size = size_of::<shared::frame::FrameConstants>();
-    for &(stem, code) in shader_library::MODULES {
+    for &(stem, code) in candela_assets::MODULES {
         if let Some(Some(layout)) = Spirv::parse(code).bindings().remove(&(set::FRAME, set::CONSTANTS)) {
             assert!(
                 layout.dense && layout.scalars.len() * 4 == size,
@@ -153,7 +152,7 @@ fn passes_declare_what_their_shaders_use() {
         let drawn = pass.stage() == Stage::Raster;
         let parts = if drawn { &["_vertex", "", "_alpha_vertex", "_alpha"][..] } else { &[""] };
         let of_part =
-            |part| Spirv::parse(shader_library::spirv(&format!("{}{part}", pass.stem())).unwrap()).bindings();
+            |part| Spirv::parse(candela_assets::spirv(&format!("{}{part}", pass.stem())).unwrap()).bindings();
         let used: BTreeSet<(u32, u32)> = parts.iter().flat_map(of_part).map(|(place, _)| place).collect();
         let declared =
             |place| bound_at(place).is_some_and(|binding| pass.uses().iter().any(|u| u.0 == binding));
@@ -180,14 +179,14 @@ fn payloads_and_push_constants_have_one_layout() {
     let shadow = Layout { scalars: "uu".into(), dense: true, stride: None };
     assert_eq!((size_of::<HitPayload>(), size_of::<ShadowPayload>()), (24, 8));
     let incoming = |stem| {
-        Spirv::parse(shader_library::spirv(stem).unwrap()).layouts_of(StorageClass::IncomingRayPayloadNV)
+        Spirv::parse(candela_assets::spirv(stem).unwrap()).layouts_of(StorageClass::IncomingRayPayloadNV)
     };
     assert_eq!(incoming("closest_hit"), [hit]);
     assert_eq!(incoming("shadow_miss"), [shadow]);
     assert_eq!(incoming("primary_any_hit"), incoming("closest_hit"));
     assert_eq!(incoming("shadow_any_hit"), incoming("shadow_miss"));
     for pass in Pass::ALL {
-        let module = Spirv::parse(shader_library::spirv(pass.stem()).unwrap());
+        let module = Spirv::parse(candela_assets::spirv(pass.stem()).unwrap());
         let expected = match pass.stage() {
             Stage::RayTracing(Rays::Primary) => incoming("closest_hit"),
             Stage::RayTracing(Rays::Shadow) => incoming("shadow_miss"),

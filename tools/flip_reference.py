@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Reference numbers of FLIP for runner/src/measure/flip.rs, computed by its authors' program.
+"""Reference numbers of FLIP for runner/lab/src/measure/flip.rs, computed by its authors' program.
 
     pip install flip-evaluator numpy
-    python3 tools/flip_reference.py > runner/src/measure/fixtures/flip.json
+    python3 tools/flip_reference.py > runner/lab/src/measure/fixtures/flip.json
 """
 
 import json

@@ -12,9 +12,9 @@ use candela::frame::schedule::{Primary, Work};
 use candela::gpu_scene::GpuScene;
 use candela::knobs::Knobs;
 use candela::scene::{self, Illumination, SceneSource};
+use candela::shared::glam::UVec2;
+use candela::shared::resources::Resource;
 use candela::vulkan::{Buffer, Device, EXTENSIONS, Features, Memory, RawDevice, Timestamps};
-use shared::glam::UVec2;
-use shared::resources::Resource;
 use std::env::args;
 use std::path::Path;
 

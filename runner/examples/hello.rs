@@ -7,8 +7,8 @@ use candela::gpu_scene::GpuScene;
 use candela::image_io;
 use candela::knobs::Knobs;
 use candela::scene::{self, Illumination, SceneSource};
+use candela::shared::glam::UVec2;
 use candela::vulkan::{Device, DeviceOptions};
-use shared::glam::UVec2;
 use std::env::args;
 use std::path::Path;
 

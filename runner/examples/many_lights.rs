@@ -7,9 +7,9 @@ use candela::gpu_scene::GpuScene;
 use candela::image_io;
 use candela::knobs::Knobs;
 use candela::scene::{Instance, Material, Mesh, PointLight, Primitive, SceneDescription};
+use candela::shared::camera::Camera;
+use candela::shared::glam::{Affine3A, UVec2, Vec2, Vec3};
 use candela::vulkan::{Device, DeviceOptions};
-use shared::camera::Camera;
-use shared::glam::{Affine3A, UVec2, Vec2, Vec3};
 use std::env::args;
 use std::path::Path;
 

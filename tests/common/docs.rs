@@ -9,7 +9,8 @@ pub fn workspace() -> &'static Path {
 }
 
 /// Where modules are looked for.
-const SOURCES: [&str; 3] = ["shared/src", "shaders/src", "runner/src"];
+const SOURCES: [&str; 6] =
+    ["shared/src", "shaders/src", "runner/src", "runner/lab/src", "runner/viewer/src", "runner/cli/src"];
 
 /// The code spans of `page` that name code and name nothing that exists.
 ///

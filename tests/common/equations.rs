@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Where doc comments may name equations.
-const SOURCES: [&str; 4] = ["shared/src", "shared/tests", "shaders/src", "runner/src"];
+const SOURCES: [&str; 5] = ["shared/src", "shared/tests", "shaders/src", "runner/src", "runner/lab/src"];
 const HEADING: &str = "## Table of equations";
 /// The thesis's equations are (4.1) to (4.22).
 const THESIS: u32 = 22;

@@ -1,9 +1,9 @@
 //! What is fed, and with what.
 
 use candela::knobs::Knobs;
-use candela::measure::sweep::plan::Plan;
 use candela::scene::lights::LightTable;
 use candela::scene::{EnvironmentSource, SceneDescription, environment, gltf};
+use candela_lab::measure::sweep::plan::Plan;
 use clap::ValueEnum;
 use std::path::{Path, PathBuf};
 

@@ -7,7 +7,7 @@ use crate::vulkan::{
     Binding, Buffer, ComputePipeline, Device, DrawPipeline, DrawPipelineDesc, DrawTarget, HitGroup,
     Interface, Pipeline, RayPipeline, RayPipelineDesc, SetLayout, Shader, memory_barrier,
 };
-use crate::{parallel, shader_library, startup};
+use crate::{parallel, startup};
 use ash::vk;
 use glam::UVec2;
 use shared::frame::{Settings, features};
@@ -176,7 +176,7 @@ impl GroupCode {
 impl Code {
     fn load(stem: &str) -> Result<Self> {
         let missing = || Error::Internal(format!("no shader '{stem}' in this program"));
-        let bytes = shader_library::spirv(stem).ok_or_else(missing)?;
+        let bytes = candela_assets::spirv(stem).ok_or_else(missing)?;
         let spirv = bytes.chunks_exact(4).map(|w| u32::from_le_bytes([w[0], w[1], w[2], w[3]])).collect();
         Ok(Code { spirv, entry: CString::new(stem).map_err(|_| missing())? })
     }

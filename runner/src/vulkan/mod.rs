@@ -1,5 +1,5 @@
 //! Vulkan, as thin as safety allows. Reading order: `device` (of `features`, `handles`, `limits`, `memory`, `samplers`, `queue`), `buffer`, `image`, `commands`, `upload`,
-//! `acceleration`, `descriptors`, `pipeline`, `ray_pipeline`, `draw_target`, `draw_pipeline`, `timing`; for windows `surface`, `swapchain`.
+//! `acceleration`, `descriptors`, `pipeline`, `ray_pipeline`, `draw_target`, `draw_pipeline`, `timing`.
 //!
 //! Recording takes raw `vk::CommandBuffer`s: whoever records keeps what the commands use alive until they have run.
 
@@ -26,8 +26,6 @@ mod queue;
 pub mod ray_pipeline;
 mod samplers;
 pub mod shader_table;
-pub mod surface;
-pub mod swapchain;
 pub mod timing;
 pub mod top_level;
 pub mod upload;
@@ -58,7 +56,7 @@ use ash::vk;
 use std::ffi::CString;
 
 /// Turns a failed call into the project's error; `what` was being done ("create buffer 'lights'").
-pub(crate) trait Check<T> {
+pub trait Check<T> {
     fn check(self, what: impl std::fmt::Display) -> Result<T>;
 }
 

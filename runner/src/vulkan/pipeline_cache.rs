@@ -5,7 +5,7 @@
 
 use super::Check;
 use crate::error::Result;
-use crate::{files, image_io, shader_library};
+use crate::{files, image_io};
 use ash::vk;
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
@@ -90,7 +90,7 @@ fn open(bytes: &[u8]) -> Option<Option<&[u8]>> {
 
 fn shaders() -> [u8; HASH] {
     let mut hash = Sha256::new();
-    shader_library::MODULES.iter().for_each(|(_, code)| hash.update(code));
+    candela_assets::MODULES.iter().for_each(|(_, code)| hash.update(code));
     hash.finalize().into()
 }
 

@@ -1,0 +1,77 @@
+//! `candela`: the viewer and the command line.
+
+#[macro_use]
+mod stdout;
+
+mod accumulation;
+mod args;
+mod compare;
+mod explain;
+mod export;
+mod fixtures;
+mod info;
+mod output;
+mod page;
+mod pipelines;
+mod progress;
+mod reference;
+mod render;
+mod report;
+mod roofline;
+mod sequence;
+mod sweep;
+mod truth;
+mod view;
+mod window;
+mod writer;
+
+use args::{Cli, Command};
+use candela::error::Result;
+use candela::startup;
+use clap::Parser;
+use std::process::ExitCode;
+use tracing_subscriber::EnvFilter;
+
+fn main() -> ExitCode {
+    startup::begin();
+    // What the user should know even without RUST_LOG.
+    let quiet = || EnvFilter::new("error,candela=warn");
+    tracing_subscriber::fmt()
+        .with_env_filter(EnvFilter::try_from_default_env().unwrap_or_else(|_| quiet()))
+        .with_writer(std::io::stderr)
+        .init();
+    match run() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::from(error.kind().exit_code())
+        }
+    }
+}
+
+/// Runs the command that the program was started with; ends it where that can't be understood, or asks for help.
+fn run() -> Result<()> {
+    // Help is one of the answers, and goes to standard output.
+    let cli = Cli::try_parse().unwrap_or_else(|answer| match answer.print() {
+        Ok(()) => std::process::exit(answer.exit_code()),
+        Err(error) => crate::stdout::give_up(&error),
+    });
+    if cli.timings() {
+        startup::report();
+    }
+    let Some(command) = cli.command else { return window::run(&cli.view) };
+    match command {
+        Command::View(args) => window::run(&args),
+        Command::Render(args) => render::run(&args),
+        Command::Reference(args) => reference::run(&args),
+        Command::Info(args) => info::run(&args),
+        Command::Compare(args) => compare::run(&args),
+        Command::Sweep(args) => sweep::run(&args),
+        Command::Roofline(args) => roofline::run(&args),
+        Command::Report(args) => report::run(&args),
+        Command::Export(args) => export::run(&args),
+        Command::Explain(args) => explain::run(&args),
+        Command::Page { page } => page::update(&page),
+        Command::Fixtures { directory } => fixtures::run(&directory),
+    }
+}
