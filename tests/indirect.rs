@@ -16,9 +16,14 @@ const REPLICAS: u32 = 32;
 /// Over 12 blocks with Student's t of some 40 degrees of freedom: a false alarm in 1e-4 of all runs a case (Sidak).
 const Z_LIMIT: f64 = 5.2;
 
-/// The Cornell box with a pane before its back wall.
 fn cornell_box() -> SceneDescription {
-    let (_, mut scene) = fixtures::all().into_iter().find(|(name, _)| *name == "cornell-box").expect("a box");
+    let (_, scene) = fixtures::all().into_iter().find(|(name, _)| *name == "cornell-box").expect("a box");
+    scene
+}
+
+/// With a pane before its back wall.
+fn box_with_pane() -> SceneDescription {
+    let mut scene = cornell_box();
     let material = scene.materials.len();
     scene.materials.push(pane());
     let pane = square(Vec3::new(0.0, 0.5, -0.3), Vec3::X * 0.25, Vec3::Y * 0.25, material);
@@ -69,7 +74,7 @@ fn paths(renderer: &mut Renderer, camera: Camera, bounces: u32, seed: u32) -> Ve
 #[test]
 fn resampled_paths_have_the_mean_of_the_path_tracer() {
     let Some(device) = device() else { return };
-    let scene = cornell_box();
+    let scene = box_with_pane();
     let cameras = cameras(&scene);
     let mut renderer = renderer(&device, &scene, SIZE, 1);
     let mut truths = Vec::new();
@@ -94,5 +99,26 @@ fn resampled_paths_have_the_mean_of_the_path_tracer() {
     }
     // Negative control: the bounces after the first left out.
     assert!(largest_z(&truths[0], &truths[1]).0 > Z_LIMIT, "later bounces were not seen");
+    assert_no_validation_messages(&device);
+}
+
+/// Where nothing is transparent, paths begin along the rays of direct light: the mean is the same.
+#[test]
+fn paths_share_the_rays_of_direct_light() {
+    let Some(device) = device() else { return };
+    let scene = cornell_box();
+    let camera = cameras(&scene)[0];
+    let mut renderer = renderer(&device, &scene, SIZE, 1);
+    let settings =
+        Settings { indirect: indirect::FULL, candidates: 4, temporal: 0, spatial: 0, ..Settings::default() };
+    let own = Settings { bsdf_candidates: 0, ..settings };
+    let [shared, own] = [settings, own].map(|settings| {
+        replicas(REPLICAS, SIZE, |seed| bounced(&mut renderer, &[camera], settings, 1, seed))
+    });
+    assert_means("shared rays", &shared, &own, Z_LIMIT);
+    let truth = replicas(REPLICAS, SIZE, |seed| {
+        paths(&mut renderer, camera, indirect::bounces(indirect::FULL), 1000 + seed)
+    });
+    assert_means("shared rays and paths", &shared, &truth, Z_LIMIT);
     assert_no_validation_messages(&device);
 }

@@ -79,11 +79,11 @@ macro_rules! entry_rules {
 /// The entry point of a pass; what comes before its buffers hangs on how it runs.
 macro_rules! written {
     (($body:ident $stem:ident $extent:ident compute) $params:tt $args:tt $stores:tt) => {
-        function! { (compute(threads(32, 4, 1))) (global_invocation_id) id features [id] []
+        function! { (compute(threads(32, 4, 1))) (global_invocation_id) id features [At::new: id] []
             $stem $extent $body [] $params $args $stores }
     };
     (($body:ident $stem:ident $extent:ident known) $params:tt $args:tt $stores:tt) => {
-        function! { (compute(threads(32, 4, 1))) (global_invocation_id) id features [id] []
+        function! { (compute(threads(32, 4, 1))) (global_invocation_id) id features [At::new: id] []
             $stem $extent $body [Assumed, Silent,] $params $args $stores }
     };
     (($body:ident $stem:ident $extent:ident known scene) $params:tt $args:tt $stores:tt) => {
@@ -93,36 +93,42 @@ macro_rules! written {
         written! { ($body $stem $extent traced shadow) $params $args $stores }
     };
     (($body:ident $stem:ident $extent:ident primary) $params:tt $args:tt $stores:tt) => {
-        function! { (ray_generation) (launch_id) id features [id]
+        function! { (ray_generation) (launch_id) id features [At::new: id]
             [#[spirv(descriptor_set = 0, binding = 0)] tlas: &AccelerationStructure,
             #[spirv(ray_payload)] payload: &mut HitPayload,]
             $stem $extent $body [Eye { tlas, payload },] $params $args $stores }
     };
     (($body:ident $stem:ident $extent:ident traced shadow) $params:tt $args:tt $stores:tt) => {
-        function! { (ray_generation) (launch_id) id features [id]
+        function! { (ray_generation) (launch_id) id features [At::new: id]
             [#[spirv(descriptor_set = 0, binding = 0)] tlas: &AccelerationStructure,
             #[spirv(ray_payload)] payload: &mut ShadowPayload,]
             $stem $extent $body [Traced { features, tlas, payload }, Silent,] $params $args $stores }
     };
     (($body:ident $stem:ident $extent:ident traced shadow nearest) $params:tt $args:tt $stores:tt) => {
-        function! { (ray_generation) (launch_id) id features [id]
+        written! { ($body $stem $extent traced shadow nearest by At::new) $params $args $stores }
+    };
+    (($body:ident $stem:ident $extent:ident traced shadow nearest by $at:path) $params:tt $args:tt $stores:tt) => {
+        function! { (ray_generation) (launch_id) id features [$at: id]
             [#[spirv(descriptor_set = 0, binding = 0)] tlas: &AccelerationStructure,
             #[spirv(ray_payload)] payload: &mut ShadowPayload,
             #[spirv(ray_payload)] nearest: &mut HitPayload,]
             $stem $extent $body [Nearest { features, tlas, payload, nearest }, Silent,] $params $args $stores }
     };
     (($body:ident $stem:ident $extent:ident listed shadow) $params:tt [(read $list:ident) $($args:tt)*] $stores:tt) => {
-        function! { (ray_generation) (launch_id) id features [listed($list, id, size)]
+        function! { (ray_generation) (launch_id) id features [At::new: listed($list, id, size)]
             [#[spirv(descriptor_set = 0, binding = 0)] tlas: &AccelerationStructure,
             #[spirv(ray_payload)] payload: &mut ShadowPayload,
             #[spirv(launch_size)] size: UVec3,]
             $stem $extent $body [Traced { features, tlas, payload }, Silent,] $params [$($args)*] $stores }
     };
+    (($body:ident $stem:ident $extent:ident sparse) $params:tt $args:tt $stores:tt) => {
+        written! { ($body $stem $extent traced shadow nearest by At::picked) $params $args $stores }
+    };
     (($body:ident $stem:ident $extent:ident bounced) $params:tt $args:tt $stores:tt) => {
         written! { ($body $stem $extent traced shadow nearest) $params $args $stores }
     };
     (($body:ident $stem:ident $extent:ident traced shadow previous) $params:tt $args:tt $stores:tt) => {
-        function! { (ray_generation) (launch_id) id features [id]
+        function! { (ray_generation) (launch_id) id features [At::new: id]
             [#[spirv(descriptor_set = 0, binding = 0)] tlas: &AccelerationStructure,
             #[spirv(descriptor_set = 2, binding = 0)] previous_tlas: &AccelerationStructure,
             #[spirv(ray_payload)] payload: &mut ShadowPayload,]
@@ -131,7 +137,7 @@ macro_rules! written {
 }
 
 macro_rules! function {
-    (($($stage:tt)*) ($launch:ident) $id:ident $features:ident [$thread:expr] [$($start:tt)*] $stem:ident $extent:ident $body:ident
+    (($($stage:tt)*) ($launch:ident) $id:ident $features:ident [$at:path: $thread:expr] [$($start:tt)*] $stem:ident $extent:ident $body:ident
         [$($context:expr,)*] [$($params:tt)*] [$(($access:ident $arg:ident))*] $stores:tt) => {
         #[spirv($($stage)*)]
         pub fn $stem(
@@ -143,7 +149,7 @@ macro_rules! function {
             $($start)*
             $($params)*
         ) {
-            let at = At::new(frame, *constants, $features, variant, $thread);
+            let at = $at(frame, *constants, $features, variant, $thread);
             if at.pixel.cmpge(at.threads(Extent::$extent)).any() {
                 return;
             }

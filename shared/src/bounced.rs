@@ -6,14 +6,13 @@
 use crate::alpha;
 use crate::bsdf;
 use crate::geometry::SurfacePoint;
-use crate::interface::HitPayload;
 use crate::light::{Incident, LightSample, LightTable};
 use crate::math::{inverse_sqrt, pack_direction, unpack_direction};
 use crate::points::ScenePoint;
 use crate::resampling::Source;
 use crate::scene::Scene;
 use crate::surface::Surface;
-use crate::target::unshadowed;
+use crate::target::{target_function, unshadowed};
 use crate::textures::Texels;
 use bytemuck::{Pod, Zeroable};
 use glam::{UVec2, Vec2, Vec3};
@@ -69,15 +68,15 @@ impl PathKey {
 
 impl PathPoint {
     /// What the first ray of a path met, if anything; moved to the nearest place that can be stored, where all is evaluated.
-    pub fn new(hit: HitPayload, key: PathKey) -> Self {
-        if hit.hit == 0 {
+    pub fn new(hit: ScenePoint, key: PathKey) -> Self {
+        if hit.is_none() {
             return PathPoint::default();
         }
         let step = |x: f32| ((x * STEPS as f32).max(0.0) as u32).min(STEPS - 1);
         let PathKey(key) = key;
         let place =
             UVec2::new(step(hit.barycentrics.x) | key << KEY, step(hit.barycentrics.y) | (key >> 11) << KEY);
-        PathPoint { instance: hit.instance + 1, primitive: hit.primitive, place }
+        PathPoint { instance: hit.instance() + 1, primitive: hit.primitive, place }
     }
 
     pub fn is_none(&self) -> bool {
@@ -161,6 +160,11 @@ impl Reflector {
         }
     }
 
+    /// p̂ of `sample`, which begins here, at `first`.
+    pub fn target(&self, table: LightTable<'_>, first: &Surface, sample: PathSample) -> f32 {
+        target_function(first, &self.incident(self.radiance(table, sample)))
+    }
+
     /// As a light that sends `radiance` (nit, for one measure of what arrives at x2).
     pub fn incident(&self, radiance: Vec3) -> Incident {
         let Surface { distance: magnitude, wo, .. } = self.surface;
@@ -234,7 +238,7 @@ mod tests {
         for i in 0..1000u32 {
             let t = i as f32 / 1000.0;
             let barycentrics = Vec2::new(t, (1.0 - t) * t);
-            let hit = HitPayload { hit: 1, instance: i * 16_777, primitive: i << 19, barycentrics, key: 0 };
+            let hit = ScenePoint::new(i * 16_777, i << 19, barycentrics);
             let key = PathKey::new(i.wrapping_mul(0x9e37_79b9));
             let point = PathPoint::new(hit, key);
             let direction = Vec3::new(t - 0.5, 0.3, 0.7 - t).normalize();
@@ -246,7 +250,7 @@ mod tests {
             assert_eq!(reflected.light(), None);
             for sample in [lit, reflected] {
                 let back = sample.point.point();
-                assert_eq!((back.instance(), back.primitive), (hit.instance, hit.primitive));
+                assert_eq!((back.instance(), back.primitive), (hit.instance(), hit.primitive));
                 assert!((back.barycentrics - barycentrics).abs().max_element() <= 0.51 / STEPS as f32);
             }
             let (from, color) = reflected.arriving();

@@ -1,5 +1,6 @@
 //! What shaders and host must agree on beside [`crate::resources`]: payloads, push constants, indices.
 
+use crate::passes::indirect::Level;
 use bytemuck::{Pod, Zeroable};
 use glam::Vec2;
 
@@ -33,7 +34,7 @@ pub struct ShadowPayload {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct PassConstants {
-    /// Spatial: which iteration this is.
+    /// Which iteration of spatial reuse this is, or which level of paths that go on.
     pub iteration: u32,
     /// Reference: the range of lights to add.
     pub first_light: u32,
@@ -47,6 +48,8 @@ pub struct PassConstants {
     pub scale: f32,
     /// Frames in the running mean, this one included; 0: there is none.
     pub count: u32,
+    /// Paths that go on: which ones, see [`crate::passes::indirect::LEVELS`].
+    pub level: Level,
 }
 
 /// Of [`PassConstants::bounces`]: Russian roulette alone ends paths.

@@ -62,6 +62,7 @@ macro_rules! resources {
             (1    hops                 (u32)               1      List        { hops = 39 })
             (1    smoothed             (Smoothed)          2      Pixels      { smoothed = 40, previous_smoothed = 41 })
             (1    filtered             (Filtered)          2      Pixels      { filtering = 42, filtered = 43 })
+            (1    met                  (ScenePoint)        1      Reservoirs  { met = 44 })
             (2    previous_lights      (Light)             1      Scene       { previous_lights = 1 })
             (2    motions              (InstanceMotion)    1      Scene       { motions = 2 })
             (2    previous_to_current  (u32)               1      Scene       { previous_to_current = 3 })

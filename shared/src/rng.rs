@@ -26,6 +26,8 @@ pub enum Stream {
     Paths = 11,
     /// Paths that are resampled.
     Indirect = 12,
+    /// Paths that go on, and which pixels' do.
+    Further = 13,
 }
 
 /// Random numbers of one pixel in one pass.

@@ -4,8 +4,8 @@
 use super::pass::Step;
 use super::schedule::{Conditions, Rotation, Work, schedule};
 use shared::frame::Settings;
-use shared::passes::indirect::LONGEST;
-use shared::passes::{Body, Stage, variant};
+use shared::passes::indirect::Level;
+use shared::passes::{Body, Stage};
 use shared::resources::Extent;
 
 /// Rays a pixel of a frame with these settings, at most; fewer where nothing is hit or a sample's visibility is known.
@@ -22,7 +22,7 @@ fn of_step(step: &Step, settings: &Settings, features: u32) -> u64 {
     let a_thread = match step.pass.body() {
         _ if matches!(step.pass.stage(), Stage::Compute | Stage::Raster) => 0,
         Body::gbuffer | Body::gbuffer_aimed => 1,
-        Body::initial => {
+        Body::initial | Body::initial_met => {
             u64::from(settings.bsdf_candidates(features)) + u64::from(settings.visibility_reuse != 0)
         }
         // The sample of the one in the place of the other, and the survivor; not asked where visibility is left to shading.
@@ -30,8 +30,12 @@ fn of_step(step: &Step, settings: &Settings, features: u32) -> u64 {
         // The partner's sample.
         Body::pair_targets => known,
         // To what reflects light, and from each of its points on and to a light.
-        Body::indirect_initial if step.variant & variant::FURTHER != 0 => 1 + 2 * u64::from(LONGEST),
         Body::indirect_initial => 3,
+        // On to each point, and from those where light is gathered two.
+        Body::indirect_further => {
+            let Level { side, first, last } = step.constants.level;
+            u64::from((last + 2 * (last + 1 - first)).div_ceil((side * side).max(1)))
+        }
         Body::indirect_temporal => 2,
         Body::indirect_pair_targets => 1,
         Body::shade | Body::shade_parts => u64::from(settings.reservoirs),

@@ -5,8 +5,9 @@ use super::targets::Target;
 use crate::vulkan::Device;
 use serde::{Deserialize, Serialize};
 use shared::denoise;
-use shared::frame::{Settings, indirect, mode};
+use shared::frame::{Settings, features, indirect, mode};
 use shared::interface::PassConstants;
+use shared::passes::indirect::LEVELS;
 use shared::passes::{Pass, variant};
 use shared::resources::{Binding, Resource};
 use std::ops::Range;
@@ -178,9 +179,9 @@ fn restir_di(frame: &mut Frame, settings: &Settings) {
         candidates_of_cells(frame, settings);
     } else if settings.tiles != 0 {
         frame.run(Pass::presample);
-        frame.run_variant(Pass::initial, variant::TILED);
+        frame.run_variant(frame.initial(settings), variant::TILED);
     } else {
-        frame.run(Pass::initial);
+        frame.run(frame.initial(settings));
     }
     if settings.temporal != 0 {
         // At rest all visibility is known; nobody asks where it is left to shading.
@@ -227,15 +228,19 @@ fn lasting(conditions: Conditions) -> u32 {
 
 /// ReSTIR for light that bounces: paths, reuse in time and in pairs, shading on top of direct light. Always unbiased.
 fn restir_gi(frame: &mut Frame, settings: &Settings) {
-    let further = match settings.indirect {
-        indirect::OFF => return,
-        indirect::ONE => 0,
-        _ => variant::FURTHER,
-    };
+    if settings.indirect == indirect::OFF {
+        return;
+    }
     let Conditions { moved, still, parts, has_paths, .. } = frame.conditions;
     // As many exchanges as of reservoirs: both end in the same place.
     (frame.input, frame.output) = (frame.rotation.history, frame.rotation.other(0));
-    frame.run_variant(Pass::indirect_initial, further);
+    frame.run_variant(Pass::indirect_initial, if frame.shares_ray(settings) { variant::MET } else { 0 });
+    if settings.indirect == indirect::FULL {
+        for (iteration, level) in (0..).zip(LEVELS) {
+            let constants = PassConstants { iteration, level, ..Default::default() };
+            frame.run_with(Pass::indirect_further, constants);
+        }
+    }
     // What arrives at the points of paths may have changed where something has moved.
     if settings.temporal != 0 && has_paths && !moved {
         let pass = if still { Pass::indirect_temporal } else { Pass::indirect_temporal_traced };
@@ -256,7 +261,7 @@ fn candidates_of_cells(frame: &mut Frame, settings: &Settings) {
     for pass in [Pass::learn_beliefs, Pass::learn_lists, Pass::mark_cells, Pass::cells, Pass::pools] {
         frame.run(pass);
     }
-    frame.run_variant(Pass::initial, variant::CELLS);
+    frame.run_variant(frame.initial(settings), variant::CELLS);
     if settings.learning != 0 {
         frame.run(Pass::observe);
     }
@@ -371,6 +376,19 @@ impl Frame {
 
     fn step(&self, pass: Pass, variant: u32, constants: PassConstants) -> Step {
         Step::new(pass, variant, constants, |binding| self.target(binding))
+    }
+
+    /// Do paths begin along the BSDF rays of direct light? Those go through what is not surely in the way: here all is.
+    fn shares_ray(&self, settings: &Settings) -> bool {
+        let features = self.conditions.features;
+        settings.indirect != indirect::OFF
+            && features & features::ALPHA == 0
+            && settings.bsdf_candidates(features) > 0
+    }
+
+    /// Fresh candidates of direct light.
+    fn initial(&self, settings: &Settings) -> Pass {
+        if self.shares_ray(settings) { Pass::initial_met } else { Pass::initial }
     }
 
     /// A pass of the denoiser; the next one reads what it writes.

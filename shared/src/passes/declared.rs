@@ -2,6 +2,7 @@
 
 use super::pair_targets::PairTargets;
 use super::{At, Visibility, Witness};
+use crate::points::ScenePoint;
 use crate::reservoir::StoredReservoir;
 use crate::resources::{Binding, Buffers, Extent};
 use glam::Vec3;
@@ -57,6 +58,9 @@ macro_rules! stage {
         Stage::RayTracing(Rays::Primary)
     };
     (bounced) => {
+        Stage::RayTracing(Rays::Bounces)
+    };
+    (sparse) => {
         Stage::RayTracing(Rays::Bounces)
     };
     (listed shadow) => {
@@ -140,6 +144,12 @@ pub enum Output {
 
 impl From<StoredReservoir> for Output {
     fn from(reservoir: StoredReservoir) -> Self {
+        Output::Reservoir(reservoir)
+    }
+}
+
+impl From<(StoredReservoir, ScenePoint)> for Output {
+    fn from((reservoir, _): (StoredReservoir, ScenePoint)) -> Self {
         Output::Reservoir(reservoir)
     }
 }

@@ -13,6 +13,7 @@ use crate::light::found::Emitters;
 use crate::light::tile::{TileEntry, Tiles, tile_of};
 use crate::light::tree::TreeNode;
 use crate::motion::NO_LIGHT;
+use crate::points::ScenePoint;
 use crate::resampling::initial::{
     BsdfRay, Fresh, Techniques, candidate, candidate_at_place, numbers_from_tile, place_in_pool,
     place_in_tile,
@@ -22,8 +23,52 @@ use crate::rng::Stream;
 use crate::surface::GBufferTexel;
 use glam::UVec4;
 
+/// The pass, and what it gives of its reservoir and of what its last BSDF ray met.
+macro_rules! fresh {
+    ($(#[$doc:meta])* $name:ident -> $out:ty = |$reservoir:ident, $met:ident| $result:expr) => {
+        $(#[$doc])*
+        #[allow(clippy::too_many_arguments)]
+        pub fn $name(
+            at: At<'_>,
+            rays: impl Visibility,
+            note: impl Witness,
+            lights: &[Light],
+            alias: &[AliasEntry],
+            tree_nodes: &[TreeNode],
+            tree_lights: &[u32],
+            tree_leaves: &[u32],
+            instances: &[InstanceGeometry],
+            environment: &[EnvironmentTexel],
+            gbuffer: &[GBufferTexel],
+            tile_entries: &[TileEntry],
+            tile_points: &[u32],
+            cells: &[Cell],
+            lists: &[ListEntry],
+            beliefs: &[u32],
+            pool_entries: &[TileEntry],
+            pool_points: &[u32],
+        ) -> $out {
+            let ($reservoir, $met) = filled(
+                at, rays, note, lights, alias, tree_nodes, tree_lights, tree_leaves, instances, environment, gbuffer, tile_entries,
+                tile_points, cells, lists, beliefs, pool_entries, pool_points,
+            );
+            $result
+        }
+    };
+}
+
+fresh! {
+    /// A reservoir of fresh candidates.
+    initial -> StoredReservoir = |reservoir, _met| reservoir
+}
+
+fresh! {
+    /// The same, and what its BSDF ray met: light that bounces comes along it too.
+    initial_met -> (StoredReservoir, ScenePoint) = |reservoir, met| (reservoir, met)
+}
+
 #[allow(clippy::too_many_arguments)]
-pub fn initial(
+fn filled(
     at: At<'_>,
     mut rays: impl Visibility,
     mut note: impl Witness,
@@ -42,10 +87,10 @@ pub fn initial(
     beliefs: &[u32],
     pool_entries: &[TileEntry],
     pool_points: &[u32],
-) -> StoredReservoir {
+) -> (StoredReservoir, ScenePoint) {
     let texel = at.texel(gbuffer);
     if texel.is_empty() {
-        return StoredReservoir::default();
+        return Default::default();
     }
     let surface = at.surface(&texel);
     let table = at.light_table(lights, alias);
@@ -91,12 +136,14 @@ pub fn initial(
         }
     }
     let emitters = Emitters::new(at.frame, at.features, instances, environment);
+    let mut met = ScenePoint::default();
     // Around a trace, see `Visibility`.
     let mut i = 0;
     while i < techniques.bsdf {
         let ray = BsdfRay::new(&surface, &mut rng);
         if ray.is_worth_tracing(&surface) {
             let hit = rays.nearest(ray.origin, ray.direction, SURE_HITS_ONLY);
+            met = hit.into();
             let light = emitters.light_at(hit, ray.direction);
             note.bsdf_ray(&ray, hit, light);
             let source_pdf = if at.is(variant::CELLS) {
@@ -120,5 +167,5 @@ pub fn initial(
     let visible = settings.visibility_reuse == 0
         || survivor.is_certain()
         || rays.sees(Question::Survivor, survivor.ray, SURE_HITS_ONLY);
-    survivor.kept(visible)
+    (survivor.kept(visible), met)
 }

@@ -36,10 +36,10 @@ pub use cells::{cells, mark_cells, pools};
 pub use declared::{Access, Body, Output, Pass, Rays, Stage, run};
 pub use denoise::{denoise_spatial, denoise_temporal, denoise_variance, resolve_denoised};
 pub use indirect::{
-    indirect_initial, indirect_pair_merge, indirect_pair_targets, indirect_shade, indirect_shade_parts,
-    indirect_temporal,
+    indirect_further, indirect_initial, indirect_pair_merge, indirect_pair_targets, indirect_shade,
+    indirect_shade_parts, indirect_temporal,
 };
-pub use initial::initial;
+pub use initial::{initial, initial_met};
 pub use learn::{learn_beliefs, learn_lists};
 pub use observe::observe;
 pub use pair_merge::pair_merge;
@@ -91,12 +91,12 @@ pub mod variant {
     pub const LASTING: u32 = 16;
     /// Neither camera nor scene has changed since the previous frame.
     pub const RESTS: u32 = 32;
-    /// Light may bounce more than once.
-    pub const FURTHER: u32 = 64;
     /// There is light that bounced.
-    pub const BOUNCED: u32 = 128;
+    pub const BOUNCED: u32 = 64;
     /// The previous frame was denoised too.
-    pub const DENOISED: u32 = 256;
+    pub const DENOISED: u32 = 128;
+    /// Paths begin along the BSDF rays of `initial_met`.
+    pub const MET: u32 = 256;
 }
 
 /// One thread of a pass, and what is the same for all of them.
@@ -123,6 +123,18 @@ impl<'a> At<'a> {
         id: UVec3,
     ) -> Self {
         At { frame, constants, features, variant, pixel: id.truncate(), lane: id.z }
+    }
+
+    /// The thread of the pixel that is picked of block `id` ([`indirect::Level`]).
+    pub fn picked(
+        frame: &'a FrameConstants,
+        constants: PassConstants,
+        features: u32,
+        variant: u32,
+        id: UVec3,
+    ) -> Self {
+        let pixel = constants.level.picked(frame, constants.iteration, id.truncate());
+        At { frame, constants, features, variant, pixel, lane: id.z }
     }
 
     pub fn is(&self, variant: u32) -> bool {

@@ -14,6 +14,7 @@
 /// | `known(scene)`, `traced(scene shadow)` | the same; the body reads textures, so only the device runs it |
 /// | `listed(..)` | as `traced(..)`, for the pixels that its first buffer lists; the body does not get that |
 /// | `bounced` | that, and the hardware, by shadow rays and rays that ask what they meet, whatever it is |
+/// | `sparse` | the same, for the pixel that is picked of each block ([`crate::passes::At::picked`]); the launch covers more |
 /// | `primary` | that, and the hardware, by rays from the eye |
 /// | `drawn` | none: vertex and fragment shaders of their own |
 #[macro_export]
@@ -53,6 +54,9 @@ macro_rules! passes {
             (initial Reservoirs { traced(shadow nearest) initial }
                 [lights alias tree_nodes tree_lights tree_leaves instances environment gbuffer tile_entries tile_points
                 cells lists beliefs pool_entries pool_points] [] [merged])
+            (initial_met Reservoirs { traced(shadow nearest) initial_met }
+                [lights alias tree_nodes tree_lights tree_leaves instances environment gbuffer tile_entries tile_points
+                cells lists beliefs pool_entries pool_points] [] [merged met])
             (observe Pixels { compute() observe }
                 [lights tree_leaves gbuffer merged] [] [] [observations findings])
             (temporal Reservoirs { known() temporal, traced(shadow previous) temporal_traced }
@@ -70,7 +74,10 @@ macro_rules! passes {
             (shade_parts Pixels { known() shade_parts, traced(shadow) shade_parts_traced }
                 [lights alias gbuffer reservoirs] [] [direct_diffuse direct_specular])
             (indirect_initial Pixels { bounced() indirect_initial }
-                [lights alias instances positions attributes indices materials second_uvs environment textures gbuffer] [] [merged_paths])
+                [lights alias instances positions attributes indices materials second_uvs environment textures gbuffer met] []
+                [merged_paths])
+            (indirect_further Pixels { sparse() indirect_further }
+                [lights alias instances positions attributes indices materials second_uvs environment textures gbuffer] [merged_paths] [])
             (indirect_temporal Pixels { known(scene) indirect_temporal, traced(scene shadow) indirect_temporal_traced }
                 [lights alias instances positions attributes indices materials second_uvs environment textures gbuffer
                 previous_gbuffer path_history aims] [merged_paths] [])

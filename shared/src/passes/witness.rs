@@ -54,12 +54,12 @@ pub trait Witness {
     fn bounces(&mut self, _bounce: &mut Bounce) {}
     /// Light at a point of a path, before it is weighed.
     fn arrives(&mut self, _technique: Technique, _arrival: &mut Arrival) {}
-    /// 1 / the density with which the first ray of a path finds its end, m².
-    fn reaches(&mut self, _found: &mut f32) {}
     /// Before the targets of a merge of paths are used.
     fn crosses(&mut self, _cross: &mut CrossProposal<PathSample>) {}
     /// What a path brings to its pixel.
     fn brings<L: Reflected>(&mut self, _path: StoredPath, _shaded: &mut Contribution<L>) {}
+    /// For how many pixels the one that goes on answers.
+    fn answers(&mut self, _pixels: &mut f32) {}
     /// The probability with which a path went on, before it is divided by it.
     fn survives(&mut self, _survival: &mut f32) {}
 }

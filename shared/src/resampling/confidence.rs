@@ -1,4 +1,4 @@
-//! How much reservoirs of the past and of neighbors count, in frames of fresh candidates.
+//! How much reservoirs of the past and of neighbors count, in frames of fresh candidates: those of lights, and those of paths.
 //!
 //! The history of the very point that is shaded, seen from the same place, goes on like a mean over frames: it counts up to
 //! `history_cap` of them. The reservoir of another point (a neighbor's, or a history whose point or camera has moved) brings noise
@@ -8,18 +8,38 @@
 //!
 //! All is decided by confidences, which hang on geometry and never on samples: the mean stays right.
 
+use crate::bounced::PathSample;
 use crate::frame::{FrameConstants, Settings};
-use crate::reservoir::StoredReservoir;
+use crate::light::LightSample;
+use crate::reservoir::Stored;
+
+/// What reservoirs hold.
+pub trait Sample: Copy + PartialEq {
+    /// Candidates that a frame shows each reservoir, as confidences count them.
+    fn a_frame(settings: &Settings) -> f32;
+}
+
+impl Sample for LightSample {
+    fn a_frame(settings: &Settings) -> f32 {
+        settings.light_candidates() as f32
+    }
+}
+
+impl Sample for PathSample {
+    fn a_frame(_: &Settings) -> f32 {
+        1.0
+    }
+}
 
 /// The history as it counts in this frame, beside `fresh` candidates.
 ///
 /// Equation (19).
-pub fn of_history(
+pub fn of_history<S: Sample>(
     frame: &FrameConstants,
-    history: StoredReservoir,
+    history: Stored<S>,
     same_point: bool,
     fresh: f32,
-) -> StoredReservoir {
+) -> Stored<S> {
     let Settings { history_cap, confidence_cap, .. } = frame.settings;
     let lasts = same_point && frame.camera == frame.previous_camera;
     history.capped(if lasts { history_cap } else { confidence_cap } * fresh)
@@ -28,34 +48,35 @@ pub fn of_history(
 /// A neighbor's reservoir as it counts: a capped history, and its frame.
 ///
 /// Equation (19).
-pub fn of_neighbor(settings: &Settings, neighbor: StoredReservoir) -> StoredReservoir {
-    neighbor.capped(lent(settings))
+pub fn of_neighbor<S: Sample>(settings: &Settings, neighbor: Stored<S>) -> Stored<S> {
+    neighbor.capped(lent::<S>(settings))
 }
 
 /// `merged` from a reservoir of confidence `own` and from neighbors.
 ///
 /// Equation (19).
-pub fn with_neighbors(settings: &Settings, own: f32, merged: StoredReservoir) -> StoredReservoir {
-    StoredReservoir { confidence: own.max(merged.confidence.min(lent(settings))), ..merged }
+pub fn with_neighbors<S: Sample>(settings: &Settings, own: f32, merged: Stored<S>) -> Stored<S> {
+    Stored { confidence: own.max(merged.confidence.min(lent::<S>(settings))), ..merged }
 }
 
 /// Are both so long that neither gains by the other?
-pub fn both_last(settings: &Settings, a: StoredReservoir, b: StoredReservoir) -> bool {
+pub fn both_last<S: Sample>(settings: &Settings, a: Stored<S>, b: Stored<S>) -> bool {
     let frames = (0.5 * settings.history_cap).max(2.0 * settings.confidence_cap);
-    settings.temporal != 0 && a.confidence.min(b.confidence) > frames * settings.light_candidates() as f32
+    settings.temporal != 0 && a.confidence.min(b.confidence) > frames * S::a_frame(settings)
 }
 
 /// The most that neighbors count, candidates. Without a history they are as good as the pixel itself.
-fn lent(settings: &Settings) -> f32 {
+fn lent<S: Sample>(settings: &Settings) -> f32 {
     if settings.temporal == 0 {
         return f32::MAX;
     }
-    (settings.confidence_cap + 1.0) * settings.light_candidates() as f32
+    (settings.confidence_cap + 1.0) * S::a_frame(settings)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::reservoir::StoredReservoir;
 
     fn counting(confidence: f32) -> StoredReservoir {
         StoredReservoir { contribution_weight: 1.0, confidence, ..StoredReservoir::default() }

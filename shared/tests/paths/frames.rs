@@ -10,8 +10,9 @@ use shared::glam::{DVec3, UVec2, UVec3, Vec3};
 use shared::interface::{HitPayload, PassConstants};
 use shared::light::{LightTable, Lights};
 use shared::math::luminance;
+use shared::passes::indirect::LEVELS;
 use shared::passes::pair_targets::PairTargets;
-use shared::passes::{self, Assumed, At, Question, Technique, Visibility, Witness, variant};
+use shared::passes::{self, Assumed, At, Question, Technique, Visibility, Witness};
 use shared::pdf::SourcePdf;
 use shared::reflected::Reflected;
 use shared::resampling::CrossProposal;
@@ -44,6 +45,8 @@ pub enum Plant {
     PartnerRay,
     /// The probability of going on.
     Survival,
+    /// A path that goes on answers for one pixel alone.
+    Alone,
 }
 
 /// What two cameras see, which take turns: the odd one from a few pixels beside.
@@ -135,6 +138,9 @@ impl<'a> Sequence<'a> {
         };
         let frame = Frame { sequence: self, constants: &constants, gbuffer: &self.views.gbuffers[now] };
         let mut paths = frame.initial();
+        if self.settings.indirect == indirect::FULL {
+            (0..LEVELS.len()).for_each(|level| frame.further(&mut paths, level));
+        }
         let keeps = !self.changed || frame.is(Plant::Stale);
         if self.settings.temporal != 0 && self.index > 0 && keeps {
             paths = frame.temporal(&self.views.gbuffers[before], &paths);
@@ -173,10 +179,9 @@ impl Frame<'_> {
     }
 
     fn at(&self, pixel: UVec2, iteration: u32) -> At<'_> {
-        let further = if self.constants.settings.indirect == indirect::FULL { variant::FURTHER } else { 0 };
         let constants = PassConstants { iteration, ..PassConstants::default() };
         let UVec2 { x, y } = pixel;
-        At::new(self.constants, constants, self.sequence.world.features, further, UVec3::new(x, y, 0))
+        At::new(self.constants, constants, self.sequence.world.features, 0, UVec3::new(x, y, 0))
     }
 
     fn each<T>(&self, iteration: u32, of: impl Fn(At<'_>, Falsifier<'_>, usize) -> T) -> Vec<T> {
@@ -193,7 +198,7 @@ impl Frame<'_> {
 
     fn initial(&self) -> Vec<StoredPath> {
         self.each(0, |at, note, _| {
-            let mut path = pass!(indirect_initial(self, at, self.rays(), note;));
+            let mut path = pass!(indirect_initial(self, at, self.rays(), note; &[]));
             assert_eq!(path.confidence, 1.0);
             let from = at.surface(&at.texel(self.gbuffer)).position;
             self.sequence.found_from.borrow_mut().insert(key(path.sample), from);
@@ -202,6 +207,21 @@ impl Frame<'_> {
             }
             path
         })
+    }
+
+    fn further(&self, paths: &mut [StoredPath], level: usize) {
+        let World { features, .. } = self.sequence.world;
+        let constants =
+            PassConstants { iteration: level as u32, level: LEVELS[level], ..PassConstants::default() };
+        let size = self.constants.size;
+        for UVec2 { x, y } in pixels(size) {
+            let at = At::picked(self.constants, constants, *features, 0, UVec3::new(x, y, 0));
+            if at.pixel.cmplt(size).all() {
+                let (note, i) =
+                    (Falsifier { frame: self, at }, self.constants.pixel_index(at.pixel) as usize);
+                paths[i] = pass!(indirect_further(self, at, self.rays(), note; paths[i]));
+            }
+        }
     }
 
     fn temporal(&self, before: &[GBufferTexel], fresh: &[StoredPath]) -> Vec<StoredPath> {
@@ -278,6 +298,12 @@ impl Witness for Falsifier<'_> {
     fn crosses(&mut self, cross: &mut CrossProposal<PathSample>) {
         if self.frame.is(Plant::ForeignTarget) {
             cross.targets.neighbor_at_neighbor = cross.targets.neighbor_at_canonical;
+        }
+    }
+
+    fn answers(&mut self, pixels: &mut f32) {
+        if self.frame.is(Plant::Alone) {
+            *pixels = 1.0;
         }
     }
 

@@ -148,8 +148,11 @@ fn furnaces_are_closed_by_reuse() {
         let twice = exact.map(|light| light + emission);
         assert!(largest_t(&runs_of(None), twice, QUADRATURE) > T_LIMIT, "emission counted twice");
         if mode == indirect::FULL {
-            let t = largest_t(&runs_of(Some(Plant::Survival)), exact, QUADRATURE);
-            assert!(t > T_LIMIT, "roulette that divides by nothing: {t}");
+            for plant in [Plant::Survival, Plant::Alone] {
+                let t = largest_t(&runs_of(Some(plant)), exact, QUADRATURE);
+                println!("{plant:?}: {t:.2} standard errors");
+                assert!(t > T_LIMIT, "{plant:?} was not seen: {t}");
+            }
         }
     }
 }

@@ -285,7 +285,8 @@ impl<'a> Heard<'a> {
 
     /// The report of a pass over a reservoir that ended with `cpu`.
     pub fn report(mut self, cpu: StoredReservoir) -> PassReport {
-        let is_merge = self.report.candidates.is_empty() && self.replay.ran.pass.body() != Body::initial;
+        let is_fresh = matches!(self.replay.ran.pass.body(), Body::initial | Body::initial_met);
+        let is_merge = self.report.candidates.is_empty() && !is_fresh;
         if is_merge && self.report.canonical.is_none() {
             // Merged with nothing.
             let at = self.replay.at(self.lane);

@@ -225,7 +225,7 @@ impl<'a> Explainer<'a> {
             Replay { world: self.world, buffers: ran.buffers(&scene), ran: &ran, pixel: self.pixel };
         let lanes = 0..frame.settings.reservoirs;
         match ran.pass.body() {
-            Body::initial | Body::temporal | Body::spatial => {
+            Body::initial | Body::initial_met | Body::temporal | Body::spatial => {
                 self.passes.extend(lanes.map(|lane| replay.reservoir(lane, None)));
             }
             Body::temporal_hops if is_listed(replay.buffers.hops, self.pixel) => {

@@ -1,6 +1,8 @@
 //! Light that bounces, by resampling: the passes of direct light once more, with paths for samples ([`crate::bounced`]).
 
+mod further;
 mod initial;
+mod light;
 mod reuse;
 mod shade;
 
@@ -9,17 +11,19 @@ use super::{At, Visibility, Witness};
 use crate::alias_table::AliasEntry;
 use crate::bounced::Bounced;
 use crate::environment::EnvironmentTexel;
+use crate::frame::FrameConstants;
 use crate::geometry::{InstanceGeometry, VertexAttributes};
 use crate::light::Light;
 use crate::material::Material;
-use crate::points::Aim;
+use crate::points::{Aim, ScenePoint};
 use crate::reservoir::StoredPath;
+use crate::rng::{Rng, Stream};
 use crate::scene::Scene;
 use crate::surface::GBufferTexel;
 use crate::textures::Texels;
-use glam::{Vec2, Vec3};
+use bytemuck::{Pod, Zeroable};
+use glam::{UVec2, Vec2, Vec3};
 
-pub use initial::LONGEST;
 pub use reuse::indirect_pair_merge;
 
 /// A pass that evaluates paths: its buffers but for those of the lights and of the scene, and the function that computes it.
@@ -52,13 +56,18 @@ macro_rules! bounces {
 }
 
 bounces! {
-    /// A fresh path for each pixel, along the reflectance of what it sees.
-    indirect_initial(gbuffer: &[GBufferTexel]) -> StoredPath = initial::initial
+    /// A fresh path for each pixel, along the reflectance of what it sees. `met`: what such a ray met, of the variant that has it.
+    indirect_initial(gbuffer: &[GBufferTexel], met: &[ScenePoint]) -> StoredPath = initial::initial
+}
+
+bounces! {
+    /// A path that goes on, for the one pixel of a block that is picked. `current`: as `indirect_initial`, or the level before, left it.
+    indirect_further(gbuffer: &[GBufferTexel], current: StoredPath) -> StoredPath = further::further
 }
 
 bounces! {
     /// Merges the path with which the same surface point ended the previous frame, in a scene that has not moved since. `current`: as
-    /// `indirect_initial` left it.
+    /// `indirect_initial` and `indirect_further` left it.
     indirect_temporal(
         gbuffer: &[GBufferTexel],
         previous_gbuffer: &[GBufferTexel],
@@ -83,10 +92,45 @@ bounces! {
     indirect_shade_parts(gbuffer: &[GBufferTexel], paths: &[StoredPath]) -> (Vec3, Vec3) = shade::parts
 }
 
-/// Random numbers of [`crate::rng::Stream::Indirect`].
+/// Random numbers of [`crate::rng::Stream::Indirect`], and of [`crate::rng::Stream::Further`].
 mod lane {
     pub const INITIAL: u32 = 0;
     pub const TEMPORAL: u32 = 1;
+    /// Which pixel of a block goes on, for each level.
+    pub const PICKED: u32 = 0;
+    /// And its path.
+    pub const LEVELS: u32 = 16;
     /// And one for each iteration after it.
     pub const PAIRS: u32 = 2;
+}
+
+/// No path has more points: 0.95^1000 of them would.
+#[cfg(not(target_arch = "spirv"))]
+const LONGEST: u32 = 1000;
+
+/// Paths that go on, of all lengths together. Light that was reflected often is little and smooth, and a path takes the longer
+/// to trace: fewer pixels do. Measured in docs/performance.md.
+#[cfg(not(target_arch = "spirv"))]
+pub const LEVELS: [Level; 2] =
+    [Level { side: 2, first: 1, last: 1 }, Level { side: 4, first: 2, last: LONGEST }];
+
+/// Paths of some lengths, for which one pixel of each block goes on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
+#[repr(C)]
+pub struct Level {
+    /// Of a block, pixels.
+    pub side: u32,
+    /// Points behind x2: from this one on light is gathered,
+    pub first: u32,
+    /// and after this one paths end.
+    pub last: u32,
+}
+
+impl Level {
+    /// The pixel of `block` that goes on, drawn evenly; it may lie beyond the image.
+    pub fn picked(self, frame: &FrameConstants, number: u32, block: UVec2) -> UVec2 {
+        let lane = lane::PICKED + number;
+        let random = Rng::new(block, frame.index, frame.seed, Stream::Further, lane).next_u32x4();
+        block * self.side + (UVec2::new(random.x, random.y) >> 16) % self.side
+    }
 }

@@ -9,7 +9,7 @@ use crate::points::Aim;
 use crate::resampling::pairs::similar_partner;
 use crate::resampling::pairwise::{CrossTargets, Pairwise};
 use crate::resampling::reprojection::Before;
-use crate::resampling::{CrossProposal, Source, Survivor, target_of};
+use crate::resampling::{CrossProposal, Source, Survivor, confidence, target_of};
 use crate::reservoir::StoredPath;
 use crate::resources::Extent;
 use crate::rng::{Stream, unit_f32};
@@ -43,8 +43,11 @@ pub fn temporal<V: Visibility, T: Texels>(
     };
     let index = frame.pixel_index(place.pixel) as usize;
     let there = previous_gbuffer[index].unpack(at.features, &frame.previous_camera, place.pixel, frame.size);
-    let history = history[index].capped(frame.settings.confidence_cap * current.confidence);
+    // Of a path without light x2 alone is known, and of no use here.
+    let holds_one = current.contribution_weight > 0.0;
+    let current = if holds_one { current } else { StoredPath { sample: PathSample::default(), ..current } };
     let same_point = place.lasts != 0 || there.is_same_point(&surface);
+    let history = confidence::of_history(frame, history[index], same_point, current.confidence);
     if !V::TRACES && !same_point {
         return current;
     }
@@ -96,17 +99,24 @@ pub fn pair_targets<T: Texels>(
 ) -> PairTargets {
     let frame = at.frame;
     let index = frame.pixel_index(at.pixel);
+    let alone = PairTargets { index, ..PairTargets::default() };
     let partner = similar_partner(frame, gbuffer, at.pixel, at.repetition());
-    note.place(partner, true);
     let Some(place) = partner else {
-        return PairTargets { index, ..PairTargets::default() };
+        note.place(None, false);
+        return alone;
     };
-    let surface = at.surface(&at.texel(gbuffer));
     let own = paths[index as usize];
     let index = frame.pixel_index(place);
     let other = paths[index as usize];
+    let both_last = confidence::both_last(&frame.settings, own, other);
+    note.place(partner, !both_last);
+    if both_last {
+        return alone;
+    }
+    let surface = at.surface(&at.texel(gbuffer));
     let holds_one = other.contribution_weight > 0.0;
-    let incident = source.incident(other.sample, surface.position);
+    let sample = if holds_one { other.sample } else { PathSample::default() };
+    let incident = source.incident(sample, surface.position);
     let partner = if holds_one { target_function(&surface, &incident) } else { 0.0 };
     let targets = PairTargets { own: target_of(&surface, source, own), partner, index };
     let ray = ShadowRay::new(&surface, &incident);
@@ -129,7 +139,9 @@ pub fn indirect_pair_merge(
     if partner == index {
         return own;
     }
-    let (other, there) = (paths[partner], pair_targets[partner]);
+    let settings = &at.frame.settings;
+    let other = confidence::of_neighbor(settings, paths[partner]);
+    let there = pair_targets[partner];
     let targets = CrossTargets {
         neighbor_at_canonical: here.partner,
         neighbor_at_neighbor: there.own,
@@ -138,8 +150,8 @@ pub fn indirect_pair_merge(
     let mut cross = CrossProposal { neighbor: other, targets, ..CrossProposal::default() };
     note.crosses(&mut cross);
     let random = at.lane_rng(Stream::Indirect, lane::PAIRS + at.constants.iteration).next_u32x4();
-    let mut merge = Pairwise::new(own, here.own, other.confidence, at.frame.settings.pair_trust());
+    let mut merge = Pairwise::new(own, here.own, other.confidence, settings.pair_trust());
     merge.add(other, cross.targets, unit_f32(random.x));
     merge.add_canonical(unit_f32(random.y));
-    merge.finish()
+    confidence::with_neighbors(settings, own.confidence, merge.finish())
 }
