@@ -13,17 +13,27 @@ fn run(name: &str, arguments: &[&str]) -> String {
     String::from_utf8(output.stdout).expect("it prints text")
 }
 
-/// Display values of the picture that an example draws, 0 to 255; none without a device.
-fn picture(name: &str, input: &str) -> Option<image::GrayImage> {
+/// Display values of the picture that an example draws, 0 to 255, and what it prints; none without a device.
+fn drawn(name: &str, input: &str) -> Option<(image::GrayImage, String)> {
     // One after the other: two tests draw the same example into the same file.
     let _turn = tests::gpu::device()?;
     let file: PathBuf =
         std::env::temp_dir().join(format!("candela-example-{}-{name}.png", std::process::id()));
-    run(name, &[input, file.to_str().expect("a name")]);
+    let text = run(name, &[input, file.to_str().expect("a name")]);
     let picture = image::open(&file).expect("it writes a picture").into_luma8();
     std::fs::remove_file(file).expect("it is there");
     assert_eq!(picture.dimensions(), (640, 360));
-    Some(picture)
+    Some((picture, text))
+}
+
+fn picture(name: &str, input: &str) -> Option<image::GrayImage> {
+    drawn(name, input).map(|(picture, _)| picture)
+}
+
+/// The number after `label` in `text`.
+fn number(text: &str, label: &str) -> f64 {
+    let rest = text.split(label).nth(1).unwrap_or_else(|| panic!("no '{label}' in {text}"));
+    rest.split_whitespace().next().unwrap_or_default().parse().expect("a number")
 }
 
 fn mean(values: impl Iterator<Item = u8>) -> f64 {
@@ -40,12 +50,14 @@ fn pictures_are_drawn() {
     }
 }
 
-/// On the application's own device and queue a frame is what it is on Candela's: exposures differ by a frame's noise.
+/// On the application's own device, queue and allocator a frame is what it is on Candela's: exposures differ by a frame's noise.
 #[test]
 fn an_embedded_frame_is_the_same_frame() {
-    let (Some(own), Some(embedded)) = (picture("hello", "knot"), picture("embed_ash", "knot")) else {
+    let (Some(own), Some((embedded, text))) = (picture("hello", "knot"), drawn("embed_ash", "knot")) else {
         return;
     };
+    let reservoirs = f64::from(640 * 360) * 16.0;
+    assert!(number(&text, "by Candela:") > reservoirs && number(&text, "after Candela:") == 0.0, "{text}");
     let difference = |a: &image::GrayImage, b: &image::GrayImage| {
         mean(a.pixels().zip(b.pixels()).map(|(a, b)| a.0[0].abs_diff(b.0[0])))
     };
@@ -58,10 +70,6 @@ fn an_embedded_frame_is_the_same_frame() {
 #[test]
 fn the_estimator_has_the_mean_of_the_sum() {
     let text = run("estimator", &[]);
-    let number = |line: &str, after: &str| -> f64 {
-        let rest = line.split(after).nth(1).unwrap_or_else(|| panic!("{line}"));
-        rest.split_whitespace().next().unwrap().parse().unwrap()
-    };
     let sum = number(text.lines().next().unwrap(), "lights:");
     let rows: Vec<(f64, f64)> = text
         .lines()

@@ -1,22 +1,24 @@
 //! Candela inside an application with its own Vulkan device: `cargo run --release --example embed_ash -- knot embedded.png`.
 //!
-//! The application makes instance, device, queue and command buffers. Candela records frames into one of them; the
-//! application's own commands copy the display values after it, and it submits and waits when it wants.
+//! The application makes instance, device, queue, allocator and command buffers. Candela records frames into one of them and
+//! their picture into an image; the application's own commands use it after that, and it submits and waits when it wants.
 
 use ash::vk;
 use candela::error::{Error, Result};
 use candela::exposure;
 use candela::frame::history::History;
+use candela::frame::picture::Picture;
 use candela::frame::recorder::{FrameOptions, Recorder};
 use candela::frame::schedule::{Primary, Work};
+use candela::gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 use candela::gpu_scene::GpuScene;
 use candela::knobs::Knobs;
 use candela::scene::{self, Illumination, SceneSource};
 use candela::shared::glam::UVec2;
-use candela::shared::resources::Resource;
 use candela::vulkan::{Buffer, Device, EXTENSIONS, Features, Memory, RawDevice, Timestamps};
 use std::env::args;
 use std::path::Path;
+use std::sync::{Arc, Mutex, PoisonError};
 
 const SIZE: UVec2 = UVec2::new(640, 360);
 const FRAMES: u32 = 16;
@@ -30,6 +32,8 @@ struct Application {
     queue: vk::Queue,
     queue_family: u32,
     has_anisotropy: bool,
+    /// Goes before the device.
+    allocator: Option<Arc<Mutex<Allocator>>>,
 }
 
 fn failed(what: &'static str) -> impl Fn(vk::Result) -> Error {
@@ -65,7 +69,26 @@ impl Application {
             let device = instance.create_device(physical_device, &features.enable(info), None);
             let device = device.map_err(failed("create device"))?;
             let queue = device.get_device_queue(queue_family, 0);
-            Ok(Application { entry, instance, physical_device, device, queue, queue_family, has_anisotropy })
+            let allocator = Allocator::new(&AllocatorCreateDesc {
+                instance: instance.clone(),
+                device: device.clone(),
+                physical_device,
+                debug_settings: Default::default(),
+                buffer_device_address: true,
+                allocation_sizes: Default::default(),
+            });
+            let allocator = allocator.map_err(|error| Error::Platform(error.to_string()))?;
+            let allocator = Some(Arc::new(Mutex::new(allocator)));
+            Ok(Application {
+                entry,
+                instance,
+                physical_device,
+                device,
+                queue,
+                queue_family,
+                has_anisotropy,
+                allocator,
+            })
         }
     }
 
@@ -80,14 +103,24 @@ impl Application {
             queue_family: self.queue_family,
             has_anisotropy: self.has_anisotropy,
             has_debug_utils: false,
+            allocator: self.allocator.clone(),
         };
         // SAFETY: the handles belong together and outlive `main`'s Candela; extensions and features were enabled.
         unsafe { Device::from_raw(raw, None) }
+    }
+
+    /// Bytes of its allocator that are in use.
+    fn allocated(&self) -> u64 {
+        let allocator = self.allocator.iter().map(|allocator| {
+            allocator.lock().unwrap_or_else(PoisonError::into_inner).generate_report().total_allocated_bytes
+        });
+        allocator.sum()
     }
 }
 
 impl Drop for Application {
     fn drop(&mut self) {
+        self.allocator = None;
         // SAFETY: all that was made from them is gone.
         unsafe {
             self.device.destroy_device(None);
@@ -101,6 +134,7 @@ fn main() -> Result<()> {
     let output = args().nth(2).unwrap_or("embedded.png".into());
     let application = Application::new()?;
     let picture = render(&application, &source)?;
+    println!("bytes in use after Candela: {}", application.allocated());
     let pixels = picture.iter().flat_map(|pixel| pixel.to_le_bytes()).collect();
     let image = image::RgbaImage::from_raw(SIZE.x, SIZE.y, pixels)
         .ok_or_else(|| Error::Internal("a picture has another size".into()))?;
@@ -119,6 +153,7 @@ fn render(application: &Application, source: &str) -> Result<Vec<u32>> {
     let mut timestamps = Timestamps::new(&device, 64)?;
     let mut options = FrameOptions::new(Work::Restir(settings), Primary::Auto, 0);
     let bytes = u64::from(SIZE.x * SIZE.y) * 4;
+    let picture = Picture::new(&device, SIZE)?;
     let copy = Buffer::new(&device, "copy", bytes, vk::BufferUsageFlags::empty(), Memory::Readback)?;
 
     // SAFETY: the pool is used here alone, nothing is recorded before the fence of the last submission, and scene and history
@@ -136,8 +171,12 @@ fn render(application: &Application, source: &str) -> Result<Vec<u32>> {
             device.begin_command_buffer(buffers[0], &begin).map_err(failed("begin"))?;
             recorder.record(buffers[0], &mut history, camera, &options, &mut timestamps)?;
             if frame + 1 == FRAMES {
-                // The application's own work: here a copy; elsewhere a draw to its swapchain.
-                history.target(Resource::display).record_copy(buffers[0], &copy);
+                picture.record(buffers[0], &history)?;
+                // The application's own work: here a copy; elsewhere `picture.view()` in a descriptor of its own.
+                let (sampled, source) =
+                    (vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL, vk::ImageLayout::TRANSFER_SRC_OPTIMAL);
+                picture.image().transition(buffers[0], sampled, source);
+                picture.image().record_copy(buffers[0], &copy);
             }
             device.end_command_buffer(buffers[0]).map_err(failed("record"))?;
             let submits = [vk::SubmitInfo::default().command_buffers(&buffers)];
@@ -151,5 +190,6 @@ fn render(application: &Application, source: &str) -> Result<Vec<u32>> {
         device.destroy_fence(fence, None);
         device.destroy_command_pool(pool, None);
     }
+    println!("bytes in use by Candela: {}", application.allocated());
     copy.read_vec()
 }

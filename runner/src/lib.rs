@@ -12,4 +12,7 @@ pub mod scene;
 pub mod startup;
 pub mod vulkan;
 
+// What the library's own types are made of, in the versions that it takes.
+pub use ash;
+pub use gpu_allocator;
 pub use shared;

@@ -3,6 +3,7 @@
 pub mod follow;
 pub mod history;
 pub mod pass;
+pub mod picture;
 pub mod pipelines;
 pub mod rays;
 pub mod recorder;

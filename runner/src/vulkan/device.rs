@@ -45,6 +45,8 @@ pub struct RawDevice {
     pub has_anisotropy: bool,
     /// VK_EXT_debug_utils is enabled in the instance.
     pub has_debug_utils: bool,
+    /// Where buffers and images take their memory, made with `buffer_device_address`; none: an allocator of Candela's own.
+    pub allocator: Option<Arc<Mutex<Allocator>>>,
 }
 
 /// A logical device with one queue. Clones share it; whatever is made from it holds a clone, so it goes last.
@@ -90,11 +92,11 @@ impl Device {
             Handles::new(&instance.handle, instance.has_debug_utils, &physical, &extensions)?;
         let queue = Queue::new(&handles.device, physical.queue_family);
         let cache = options.pipeline_cache.as_deref();
-        Device::assemble(instance, physical, handles, queue, anisotropy, cache)
+        Device::assemble(instance, physical, handles, queue, anisotropy, cache, None)
     }
 
-    /// Instance, device and queue of an application, which it goes on using. Candela destroys none of them; its buffers and
-    /// images have an allocator of their own.
+    /// Instance, device and queue of an application, which it goes on using, and perhaps its allocator. Candela destroys none of
+    /// them.
     ///
     /// # Errors
     /// The device lacks an extension or feature, or memory.
@@ -114,7 +116,8 @@ impl Device {
         let handles = Handles::borrowed(&raw.instance, raw.has_debug_utils, raw.device);
         let instance = Instance::borrowed(raw.entry, raw.instance, raw.has_debug_utils);
         let queue = Queue::borrowed(raw.queue, raw.queue_family);
-        Device::assemble(instance, physical, handles, queue, raw.has_anisotropy, pipeline_cache)
+        let (anisotropy, allocator) = (raw.has_anisotropy, raw.allocator);
+        Device::assemble(instance, physical, handles, queue, anisotropy, pipeline_cache, allocator)
     }
 
     fn assemble(
@@ -124,6 +127,7 @@ impl Device {
         queue: Queue,
         anisotropy: bool,
         cache: Option<&Path>,
+        allocator: Option<Arc<Mutex<Allocator>>>,
     ) -> Result<Device> {
         let limits = Limits::of(&instance.handle, &physical, anisotropy);
         // SAFETY: a device of this instance.
@@ -132,7 +136,7 @@ impl Device {
         // SAFETY: nothing has been made from the device yet.
         let pipelines = pipelines.inspect_err(|_| unsafe { handles.destroy() })?;
         let name = &physical.info.name;
-        let memory = DeviceMemory::new(&instance.handle, &handles.device, physical.handle, name);
+        let memory = DeviceMemory::new(&instance.handle, &handles.device, physical.handle, name, allocator);
         // SAFETY: nothing else has been made from the device yet.
         let memory = memory.inspect_err(|_| unsafe {
             handles.device.destroy_pipeline_cache(pipelines.handle, None);

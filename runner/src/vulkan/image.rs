@@ -157,6 +157,15 @@ impl Image {
         unsafe { self.device.cmd_pipeline_barrier(cmd, before.0, after.0, flags, &[], &[], &[barrier]) };
     }
 
+    /// Copies the tightly packed texels of `buffer`, which transfers see, to level 0 and leaves the image ready to be sampled. Comes
+    /// after all earlier commands.
+    pub fn record_fill(&self, cmd: vk::CommandBuffer, buffer: &Buffer) {
+        use vk::ImageLayout as Layout;
+        self.transition(cmd, Layout::UNDEFINED, Layout::TRANSFER_DST_OPTIMAL);
+        self.record_upload_rows(cmd, buffer.handle(), 0, 0, self.height);
+        self.transition(cmd, Layout::TRANSFER_DST_OPTIMAL, Layout::SHADER_READ_ONLY_OPTIMAL);
+    }
+
     pub(super) fn record_upload_begin(&self, cmd: vk::CommandBuffer) {
         let layouts = (vk::ImageLayout::UNDEFINED, vk::ImageLayout::TRANSFER_DST_OPTIMAL);
         self.barrier(cmd, 0..self.levels, layouts, NOTHING, TRANSFER_WRITE);
@@ -182,7 +191,7 @@ impl Image {
     }
 
     /// Copies level 0 to `buffer`, tightly packed; the level must be in the layout for it.
-    pub(super) fn record_copy(&self, cmd: vk::CommandBuffer, buffer: &Buffer) {
+    pub fn record_copy(&self, cmd: vk::CommandBuffer, buffer: &Buffer) {
         let copy = vk::BufferImageCopy::default().image_subresource(layers(0)).image_extent(vk::Extent3D {
             width: self.width,
             height: self.height,

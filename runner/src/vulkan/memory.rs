@@ -11,7 +11,7 @@ use gpu_allocator::{AllocationError, MemoryLocation};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// The device's allocator; it goes before the device.
+/// The device's allocator, its own or an application's; it goes before the device.
 pub(super) struct DeviceMemory {
     pub allocator: Arc<Mutex<Allocator>>,
     used: AtomicU64,
@@ -22,12 +22,28 @@ pub(super) struct DeviceMemory {
 const LARGE: u64 = 16 << 20;
 
 impl DeviceMemory {
+    /// With an allocator of its own where `lent` is none.
     pub fn new(
         instance: &ash::Instance,
         device: &ash::Device,
         physical: vk::PhysicalDevice,
         name: &str,
+        lent: Option<Arc<Mutex<Allocator>>>,
     ) -> Result<DeviceMemory> {
+        let make = || Self::allocator(instance, device, physical, name);
+        Ok(DeviceMemory {
+            allocator: lent.map_or_else(make, Ok)?,
+            used: AtomicU64::new(0),
+            has_budget: physical::has_memory_budget(instance, physical)?,
+        })
+    }
+
+    fn allocator(
+        instance: &ash::Instance,
+        device: &ash::Device,
+        physical: vk::PhysicalDevice,
+        name: &str,
+    ) -> Result<Arc<Mutex<Allocator>>> {
         let allocator = Allocator::new(&AllocatorCreateDesc {
             instance: instance.clone(),
             device: device.clone(),
@@ -38,11 +54,7 @@ impl DeviceMemory {
         });
         let allocator =
             allocator.map_err(|e| Error::Platform(format!("{name}: can't manage its memory: {e}")))?;
-        Ok(DeviceMemory {
-            allocator: Arc::new(Mutex::new(allocator)),
-            used: AtomicU64::new(0),
-            has_budget: physical::has_memory_budget(instance, physical)?,
-        })
+        Ok(Arc::new(Mutex::new(allocator)))
     }
 
     pub fn used(&self) -> u64 {
