@@ -5,9 +5,12 @@ use std::fmt::{self, Display, Formatter};
 use std::io;
 use std::path::{Path, PathBuf};
 
+/// Of everything that can fail.
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
+/// What went wrong, in the words of a message; [`Error::kind`] says whose fault it is.
 #[derive(Debug, thiserror::Error)]
+#[expect(missing_docs, reason = "messages name the fields of variants")]
 pub enum Error {
     /// What was asked for can't be done, whatever the machine.
     #[error("{0}")]
@@ -17,9 +20,11 @@ pub enum Error {
     #[error("{}: {reason}", path.display())]
     Input { path: PathBuf, reason: String },
 
+    /// The file isn't there, or isn't ours.
     #[error("{}: can't read: {source}", path.display())]
     Read { path: PathBuf, source: io::Error },
 
+    /// Nothing can be written there.
     #[error("{}: can't write: {source}", path.display())]
     Write { path: PathBuf, source: io::Error },
 
@@ -31,6 +36,7 @@ pub enum Error {
     #[error("{0}")]
     Unsupported(String),
 
+    /// No libvulkan.
     #[error(
         "no Vulkan loader (libvulkan.so.1): {0}; install your GPU's driver, or `cargo xtask setup` for the software one"
     )]
@@ -40,15 +46,19 @@ pub enum Error {
     #[error("no Vulkan device can trace rays{}; `cargo xtask setup` installs a software one", seen_devices(.seen))]
     NoDevice { seen: Vec<String> },
 
+    /// An allocation that failed, or would.
     #[error("out of memory: {what} needs {bytes} bytes ({device} has {left}); use a smaller --size or scene")]
     OutOfMemory { what: String, bytes: u64, device: &'static str, left: Left },
 
+    /// The system has no more of them.
     #[error("can't start a thread to {to}: {source}")]
     NoThread { to: &'static str, source: io::Error },
 
+    /// In the pass that is named.
     #[error("device lost in pass '{0}': the GPU was reset or the driver failed")]
     DeviceLost(String),
 
+    /// A call that failed, by what it was for.
     #[error("Vulkan: {what}: {result}")]
     Vulkan { what: String, result: ash::vk::Result },
 
@@ -56,6 +66,7 @@ pub enum Error {
     #[error("{0}")]
     Platform(String),
 
+    /// A broken promise of the code.
     #[error("internal error: {0}; please report it")]
     Internal(String),
 }
@@ -65,6 +76,7 @@ pub enum Error {
 pub enum Left {
     /// An allocation failed.
     Less,
+    /// So much is left.
     Bytes(u64),
 }
 
@@ -81,17 +93,24 @@ impl Display for Left {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Kind {
+    /// Everything ran, and its result is bad.
     Check = 1,
     /// Also that of clap.
     Input = 2,
+    /// Nothing can be written there.
     Output = 3,
+    /// This machine can't.
     Unsupported = 4,
+    /// No memory, or no thread.
     Exhausted = 5,
+    /// The driver or the window system failed.
     Platform = 6,
+    /// A fault of the program.
     Internal = 7,
 }
 
 impl Kind {
+    /// In the order of their codes.
     pub const ALL: [Kind; 7] = [
         Kind::Check,
         Kind::Input,
@@ -102,6 +121,7 @@ impl Kind {
         Kind::Internal,
     ];
 
+    /// 1 to 7.
     pub fn exit_code(self) -> u8 {
         self as u8
     }
@@ -125,6 +145,7 @@ impl Kind {
 }
 
 impl Error {
+    /// What it means for whoever started the program.
     pub fn kind(&self) -> Kind {
         match self {
             Error::Usage(_) | Error::Input { .. } | Error::Read { .. } => Kind::Input,

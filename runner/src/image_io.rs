@@ -45,6 +45,7 @@ pub fn check_folder(directory: &Path) -> Result<()> {
     check_file(&directory.join("results"))
 }
 
+/// With the folders above it.
 pub fn create_folder(directory: &Path) -> Result<()> {
     std::fs::create_dir_all(directory).map_err(Error::write(directory))
 }
@@ -104,6 +105,7 @@ pub fn encode_exr(size: UVec2, radiance: &[Vec3]) -> Result<Vec<u8>> {
 pub struct Channel(AnyChannel<FlatSamples>);
 
 impl Channel {
+    /// One value a pixel, rows from the top.
     pub fn new(name: &str, values: Vec<f32>) -> Self {
         Channel(AnyChannel::new(name, FlatSamples::F32(values)))
     }

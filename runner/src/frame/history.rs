@@ -92,6 +92,7 @@ impl History {
         self.targets.set_rays(device, rays)
     }
 
+    /// Is there a mean over frames?
     pub fn has_mean(&self) -> bool {
         self.targets.has(Resource::mean)
     }
@@ -114,6 +115,7 @@ impl History {
         self.scene = scene;
     }
 
+    /// A buffer of the picture, by its name in the table.
     pub fn target(&self, target: impl Into<Target>) -> &Buffer {
         self.targets.get(target.into())
     }

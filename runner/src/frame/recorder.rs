@@ -31,8 +31,11 @@ const READERS: PipelineStage = PipelineStage::from_raw(
 /// What a frame is made with, beside its camera.
 #[derive(Clone, Copy, Debug)]
 pub struct FrameOptions {
+    /// What is rendered.
     pub work: Work,
+    /// How primary visibility is found.
     pub primary: Primary,
+    /// Of the random numbers: the same one gives the same frame.
     pub seed: u32,
     /// Factor from nit to display values.
     pub exposure: f32,
@@ -112,6 +115,7 @@ impl<'a> Seen<'a> {
 }
 
 impl Recorder {
+    /// Pipelines are made when a frame first needs them.
     pub fn new(device: &Device, scene: GpuScene) -> Result<Self> {
         let usage = vk::BufferUsageFlags::UNIFORM_BUFFER;
         let bytes = size_of::<FrameConstants>() as u64;
@@ -124,6 +128,7 @@ impl Recorder {
         })
     }
 
+    /// That the scene is on.
     pub fn device(&self) -> &Device {
         &self.device
     }
@@ -144,6 +149,7 @@ impl Recorder {
         rays::most(settings, primary.draws(&self.device), self.scene.features())
     }
 
+    /// What it renders.
     pub fn scene(&self) -> &GpuScene {
         &self.scene
     }

@@ -45,10 +45,12 @@ impl Renderer {
         })
     }
 
+    /// Pixels.
     pub fn size(&self) -> UVec2 {
         self.history.size()
     }
 
+    /// What it renders.
     pub fn scene(&self) -> &GpuScene {
         self.recorder.scene()
     }

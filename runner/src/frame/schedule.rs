@@ -65,6 +65,7 @@ pub enum Points {
 pub struct Conditions {
     /// What pixels' centers see is drawn, not found by rays.
     pub draws: bool,
+    /// Which points pixels shade.
     pub points: Points,
     /// [`shared::frame::features`] of the scene.
     pub features: u32,
@@ -84,6 +85,7 @@ pub struct Conditions {
 
 /// What a frame computes.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(missing_docs, reason = "the variants name their fields")]
 pub enum Work {
     /// ReSTIR DI.
     Restir(Settings),

@@ -16,7 +16,9 @@ use std::sync::Arc;
 /// Memory of one feature.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Cost {
+    /// What needs them.
     pub feature: &'static str,
+    /// Device memory.
     pub bytes: u64,
     /// What the bytes are.
     pub detail: String,

@@ -1,9 +1,12 @@
 //! A scene on the device: buffers, textures, acceleration structures, and descriptor set 0 that shows them to shaders.
 
+#[doc(hidden)]
 pub mod arrays;
+#[doc(hidden)]
 pub mod draws;
 mod light_tree;
 pub mod memory;
+#[doc(hidden)]
 pub mod past;
 
 use crate::error::Result;
@@ -137,10 +140,12 @@ impl GpuScene {
         })
     }
 
+    /// Descriptors of set 0.
     pub fn set(&self) -> &DescriptorSet {
         &self.set
     }
 
+    /// Has a material that shows its base color?
     pub fn has_unlit(&self) -> bool {
         !self.unlit.is_empty()
     }
@@ -163,10 +168,12 @@ impl GpuScene {
         &self.draws
     }
 
+    /// All lights: placed, emissive triangles, texels of the sky.
     pub fn light_count(&self) -> u32 {
         self.lights.number
     }
 
+    /// How many there are, and how dense: what [`crate::knobs::Knobs::settings`] asks for.
     pub fn lights(&self) -> LightCount {
         self.lights
     }

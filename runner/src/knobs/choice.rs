@@ -19,10 +19,13 @@ pub trait Choice: Copy + PartialEq + 'static {
     }
 }
 
+/// How reused reservoirs are weighted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Mode {
+    /// By 1/M: fast, too dark where pixels disagree.
     Biased,
+    /// By pairwise MIS.
     Unbiased,
 }
 
@@ -44,11 +47,15 @@ impl From<Mode> for u32 {
     }
 }
 
+/// Light after one or more reflections.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Indirect {
+    /// None.
     Off,
+    /// Reflected once.
     One,
+    /// Reflected as often as it goes.
     Full,
 }
 
@@ -76,8 +83,11 @@ impl From<Indirect> for u32 {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Auto {
+    /// Never.
     Off,
+    /// By the number of lights.
     Auto,
+    /// Always.
     On,
 }
 
@@ -87,6 +97,7 @@ impl Choice for Auto {
 }
 
 impl Auto {
+    /// Is it, where `by_itself` is what the lights decide?
     pub fn is_on(self, by_itself: bool) -> bool {
         match self {
             Auto::Off => false,

@@ -13,11 +13,13 @@ pub struct Knob {
     pub name: &'static str,
     /// In the viewer's panel.
     pub label: &'static str,
+    /// One line for everywhere.
     pub about: &'static str,
     /// Of its number; empty if it has none.
     pub unit: &'static str,
     /// What more of it does, and less; for switches on and off.
     pub higher: &'static str,
+    /// What less of it does.
     pub lower: &'static str,
     /// What it does to the mean.
     pub bias: &'static str,
@@ -28,11 +30,13 @@ pub struct Knob {
 
 #[derive(Debug)]
 pub(super) enum Kind {
+    /// A number, and how it steps.
     Count(RangeInclusive<u32>, Counting),
     /// Above 0; range and width of the viewer's steps.
     Number(RangeInclusive<f32>, f32),
     /// Degrees above 0, to the range's end; range and width of the viewer's steps.
     Angle(RangeInclusive<f64>, f64),
+    /// On or off.
     Switch,
     /// On from so many lights on, unless it is switched.
     /// On with so many lights.
@@ -43,6 +47,7 @@ pub(super) enum Kind {
 
 #[derive(Debug)]
 pub(super) enum Counting {
+    /// By one.
     One,
     /// Doubled and halved, as the thesis has it.
     Doubled,
@@ -51,17 +56,24 @@ pub(super) enum Counting {
 /// What a knob is set to.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Value {
+    /// Of a count.
     Count(u32),
+    /// Of a number, or an angle in degrees.
     Number(f32),
     /// Degrees.
     Angle(f64),
+    /// Of a switch.
     Switch(bool),
+    /// Of a choice.
     Word(&'static str),
 }
 
+/// A step of the viewer's keys.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Step {
+    /// To a lower value.
     Down,
+    /// To a higher value.
     Up,
 }
 
@@ -86,6 +98,7 @@ impl PartialEq for Knob {
 }
 
 impl Knob {
+    /// What `knobs` have.
     pub fn value(&self, knobs: &Knobs) -> Value {
         (self.get)(knobs)
     }

@@ -136,6 +136,8 @@ macro_rules! knobs {
         /// All of them, in the order in which they are shown.
         pub static ALL: &[&Knob] = &[$(&by_name::$name,)* $(&by_name::$host,)*];
 
+        /// By the names of the document.
+        #[allow(missing_docs)]
         #[expect(non_upper_case_globals, reason = "they have the names of the document")]
         pub mod by_name {
             use super::*;

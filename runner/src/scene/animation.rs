@@ -33,12 +33,15 @@ pub struct Node {
 /// Where a node stands relative to its parent.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Local {
+    /// A transform that no channel changes.
     Matrix(DAffine3),
     /// glTF's T R S. The only form that channels can change.
     Trs {
+        /// m
         translation: DVec3,
         /// Unit.
         rotation: DQuat,
+        /// Along the axes.
         scale: DVec3,
     },
 }
@@ -46,15 +49,20 @@ pub enum Local {
 /// Something of a scene that can hang on a node, by its index in the scene's list of such things.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Thing {
+    /// Of [`SceneDescription::instances`].
     Instance(usize),
+    /// Of [`SceneDescription::lights`].
     Light(usize),
+    /// Of [`SceneDescription::cameras`].
     Camera(usize),
 }
 
 /// A curve and the node it moves.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Channel {
+    /// Index into [`Animation::nodes`].
     pub node: usize,
+    /// How it moves.
     pub curve: Curve,
 }
 
@@ -65,12 +73,14 @@ pub enum Curve {
     Translation(Track<DVec3>),
     /// Quaternions as x, y, z, w.
     Rotation(Track<DVec4>),
+    /// Factors along the axes.
     Scale(Track<DVec3>),
 }
 
 /// Values at times. Before the first and after the last time, theirs hold.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Track<T> {
+    /// Between times.
     pub interpolation: Interpolation,
     /// s, increasing, at least one.
     pub times: Vec<f32>,
@@ -78,17 +88,21 @@ pub struct Track<T> {
     pub values: Vec<T>,
 }
 
+/// How values between two times follow from those at them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Interpolation {
+    /// The earlier one.
     Step,
     /// Of rotations spherical.
     Linear,
+    /// Hermite splines (glTF 2.0, appendix C.5).
     CubicSpline,
 }
 
 /// What stands where in the world at one time: all that moves, and nothing else.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Pose {
+    /// Object to world of each thing that moves.
     pub places: Vec<(Thing, DAffine3)>,
     /// When the meshes that change their shape have the one that is shown, s; none: no mesh does.
     pub bent: Option<f64>,

@@ -21,13 +21,16 @@ pub struct Deformed {
     pub weights: Vec<f64>,
     /// Which of the animation's [`morphs`](super::animation::Animation::morphs) changes them.
     pub morph: Option<usize>,
+    /// Joints, where there are any.
     pub skin: Option<Skin>,
 }
 
 /// What bends a primitive. Attributes have one entry a vertex, or are empty.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Bends {
+    /// Morph targets.
     pub targets: Vec<Target>,
+    /// One a vertex, where there is a skin.
     pub influences: Vec<Influences>,
     /// The primitive's normals are those of its triangles, which have corners of their own.
     pub flat: bool,
@@ -38,20 +41,25 @@ pub struct Bends {
 pub struct Target {
     /// m
     pub positions: Vec<Vec3>,
+    /// Differences of normals.
     pub normals: Vec<Vec3>,
+    /// Differences of tangents.
     pub tangents: Vec<Vec3>,
 }
 
 /// The joints that move a vertex: numbers in the skin's list, and weights whose sum is 1. None with a weight: it stays.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Influences {
+    /// Indices of joints.
     pub joints: [u16; 8],
+    /// Their weights; the sum is 1.
     pub weights: [f32; 8],
 }
 
 /// What holds a mesh.
 #[derive(Clone, Debug)]
 pub struct Skin {
+    /// By index.
     pub joints: Vec<Joint>,
     /// The world's zero in the mesh's object space, m: its instance is only moved.
     pub world: DVec3,
@@ -59,8 +67,10 @@ pub struct Skin {
     pub offset: DVec3,
 }
 
+/// A joint of a skin.
 #[derive(Clone, Copy, Debug)]
 pub struct Joint {
+    /// Where it is.
     pub place: JointPlace,
     /// From the mesh as modelled to the joint.
     pub inverse_bind: DAffine3,
@@ -273,6 +283,7 @@ impl Bends {
         }
     }
 
+    /// Does nothing bend?
     pub fn is_empty(&self) -> bool {
         self.targets.is_empty() && self.influences.is_empty()
     }

@@ -13,6 +13,7 @@ use std::io::Cursor;
 /// Light from infinity: a map of the whole sphere, rows from the top.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Environment {
+    /// Width and height, texels.
     pub size: UVec2,
     /// Radiance of each texel, nit, linear RGB; finite and not negative.
     pub radiance: Vec<Vec3>,

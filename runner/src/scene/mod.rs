@@ -6,10 +6,13 @@ pub mod deform;
 pub mod emission;
 pub mod environment;
 pub mod export;
+#[doc(hidden)]
 pub mod fixtures;
 pub mod gltf;
+#[doc(hidden)]
 pub mod interchange;
 pub mod lights;
+#[doc(hidden)]
 pub mod procedural;
 mod source;
 pub mod viewpoint;
@@ -26,17 +29,24 @@ use std::sync::Arc;
 /// Everything that is drawn, in metres and photometric units.
 #[derive(Clone, Debug, Default)]
 pub struct SceneDescription {
+    /// For messages and file names.
     pub name: String,
     /// Where the zero of all positions below lies in the file's world, m: not at its zero in files far from that, as f32
     /// would have no digits left for detail.
     pub origin: DVec3,
+    /// Geometry; [`Instance::mesh`] is an index into it.
     pub meshes: Vec<Mesh>,
+    /// What stands in the world.
     pub instances: Vec<Instance>,
+    /// [`Primitive::material`] is an index into it.
     pub materials: Vec<Material>,
+    /// Materials have indices into it.
     pub textures: Vec<Texture>,
     /// But for emissive meshes and the environment.
     pub lights: Vec<PlacedLight>,
+    /// The sky.
     pub environment: Option<Environment>,
+    /// [`SceneDescription::camera`] takes them by name or number.
     pub cameras: Vec<SceneCamera>,
     /// What moves; the fields above hold it at rest, or where [`SceneDescription::apply`] put it.
     pub animation: animation::Animation,
@@ -52,7 +62,9 @@ pub struct SceneDescription {
 /// Geometry that is shared by instances; each primitive has one material.
 #[derive(Clone, Debug, Default)]
 pub struct Mesh {
+    /// For messages.
     pub name: String,
+    /// One for each of its materials.
     pub primitives: Vec<Primitive>,
 }
 
@@ -60,6 +72,7 @@ pub struct Mesh {
 /// (normals are never empty: loaders compute flat ones).
 #[derive(Clone, Debug, Default)]
 pub struct Primitive {
+    /// Index into [`SceneDescription::materials`].
     pub material: usize,
     /// Object space, m; finite.
     pub positions: Vec<Vec3>,
@@ -67,6 +80,7 @@ pub struct Primitive {
     pub normals: Vec<Vec3>,
     /// Unit tangent and handedness (w = ±1), object space.
     pub tangents: Vec<Vec4>,
+    /// Set 0; empty where no texture is read.
     pub uvs: Vec<Vec2>,
     /// What texture maps call set 1.
     pub second_uvs: Vec<Vec2>,
@@ -81,7 +95,9 @@ pub struct Primitive {
 /// A mesh in the world.
 #[derive(Clone, Debug)]
 pub struct Instance {
+    /// For messages.
     pub name: String,
+    /// Index into [`SceneDescription::meshes`].
     pub mesh: usize,
     /// Object to world.
     pub transform: Affine3A,
@@ -90,10 +106,13 @@ pub struct Instance {
 /// glTF's material parameters.
 #[derive(Clone, Debug)]
 pub struct Material {
+    /// For messages.
     pub name: String,
     /// Linear RGBA; of specular-glossiness the diffuse color.
     pub base_color: Vec4,
+    /// sRGB; a factor on the base color.
     pub base_color_texture: Option<usize>,
+    /// Which of the fields below count.
     pub workflow: Workflow,
     /// Of metallic-roughness alone.
     pub metallic: f32,
@@ -103,10 +122,13 @@ pub struct Material {
     pub specular: Vec3,
     /// Metallic-roughness or specular-glossiness.
     pub reflectance_texture: Option<usize>,
+    /// Tangent space.
     pub normal_texture: Option<usize>,
+    /// Factor on its x and y.
     pub normal_scale: f32,
     /// Radiance, nit, linear RGB (strength included).
     pub emission: Vec3,
+    /// sRGB; a factor on the emission.
     pub emissive_texture: Option<usize>,
     /// Where each texture takes its coordinates from, by [`shared::material::slot`].
     pub uv_maps: [UvMap; slot::COUNT],
@@ -114,13 +136,16 @@ pub struct Material {
     pub double_sided: bool,
     /// Shows its base color ([`shared::material::UNLIT_WHITE`] for white), neither lights nor is lit.
     pub unlit: bool,
+    /// What alpha means.
     pub alpha: AlphaMode,
 }
 
 /// How a material says what it reflects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Workflow {
+    /// glTF's own.
     MetallicRoughness,
+    /// KHR_materials_pbrSpecularGlossiness.
     SpecularGlossiness,
 }
 
@@ -130,7 +155,10 @@ pub enum AlphaMode {
     /// Nothing.
     Opaque,
     /// Solid where alpha reaches the cutoff, else not there.
-    Mask { cutoff: f32 },
+    Mask {
+        /// From 0 to 1.
+        cutoff: f32,
+    },
     /// The part of the light that the surface stops or reflects.
     Blend,
 }
@@ -138,10 +166,13 @@ pub enum AlphaMode {
 /// An image with the way it is read.
 #[derive(Clone, Debug)]
 pub struct Texture {
+    /// Shared by textures that read it in different ways.
     pub image: Arc<Image>,
     /// The texels are sRGB-encoded color (else linear data).
     pub srgb: bool,
+    /// Along u and v.
     pub wrap: [Wrap; 2],
+    /// Between texels.
     pub filter: Filter,
 }
 
@@ -152,6 +183,7 @@ pub struct Filter {
     pub magnify_linear: bool,
     /// The same for smaller ones.
     pub minify_linear: bool,
+    /// Of the levels.
     pub mips: Mips,
 }
 
@@ -160,38 +192,53 @@ pub struct Filter {
 pub enum Mips {
     /// The finest alone.
     None,
+    /// The nearest one.
     Nearest,
+    /// Between two.
     Linear,
 }
 
 impl Filter {
+    /// Trilinear.
     pub const LINEAR: Filter = Filter { magnify_linear: true, minify_linear: true, mips: Mips::Linear };
+    /// Texels as they are.
     pub const NEAREST: Filter = Filter { magnify_linear: false, minify_linear: false, mips: Mips::Nearest };
 }
 
+/// What uvs outside of 0..=1 read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Wrap {
+    /// The texture again.
     Repeat,
+    /// The texture, every other time mirrored.
     MirroredRepeat,
+    /// The texel at the edge.
     ClampToEdge,
 }
 
 /// Decoded RGBA8 texels, rows from the top.
 #[derive(Debug)]
 pub struct Image {
+    /// For messages.
     pub name: String,
+    /// Texels.
     pub width: u32,
+    /// Texels.
     pub height: u32,
+    /// 4 bytes a texel.
     pub texels: Vec<u8>,
 }
 
 /// A perspective camera in world space.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneCamera {
+    /// What [`SceneDescription::camera`] finds it by.
     pub name: String,
+    /// m
     pub position: Vec3,
     /// Unit.
     pub forward: Vec3,
+    /// Unit, across `forward`.
     pub up: Vec3,
     /// Vertical field of view, radians.
     pub fov_y: f32,
@@ -200,7 +247,9 @@ pub struct SceneCamera {
 /// Axis-aligned box, m. Empty where `min > max`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
+    /// The least coordinates.
     pub min: Vec3,
+    /// The greatest coordinates.
     pub max: Vec3,
 }
 
@@ -213,6 +262,7 @@ pub enum SceneSource {
     Knot,
     /// The procedural town at night.
     Town,
+    /// A .gltf or .glb file.
     File(PathBuf),
 }
 
@@ -254,15 +304,18 @@ impl Default for Bounds {
 }
 
 impl Bounds {
+    /// Grows to hold `p`.
     pub fn add(&mut self, p: Vec3) {
         self.min = self.min.min(p);
         self.max = self.max.max(p);
     }
 
+    /// Its middle.
     pub fn center(&self) -> Vec3 {
         0.5 * (self.min + self.max)
     }
 
+    /// All eight.
     pub fn corners(&self) -> [DVec3; 8] {
         let ends = [self.min.as_dvec3(), self.max.as_dvec3()];
         std::array::from_fn(|i| DVec3::new(ends[i & 1].x, ends[i >> 1 & 1].y, ends[i >> 2].z))

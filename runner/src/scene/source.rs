@@ -13,6 +13,7 @@ const SCATTER_SEED: u64 = 1;
 /// An environment map, as the command line names it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EnvironmentSource {
+    /// An .hdr or .exr file, or `studio`.
     pub path: PathBuf,
     /// Factor from the file's values to nit.
     pub scale: f32,
@@ -32,6 +33,7 @@ impl EnvironmentSource {
 pub struct Illumination {
     /// Lights of the atrium or the town, or of a file that brings no light and has no environment around it.
     pub lights: usize,
+    /// The sky around the scene, in place of what the file brings.
     pub environment: Option<EnvironmentSource>,
     /// Factor on what materials emit.
     pub emissive_scale: f32,

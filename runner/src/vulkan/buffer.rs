@@ -16,6 +16,7 @@ const MIN_SIZE: u64 = 16;
 /// Where a buffer lives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Memory {
+    /// On the device.
     Device,
     /// Written by the host, read by the device.
     Upload,
@@ -116,10 +117,12 @@ impl Buffer {
         Ok(buffer)
     }
 
+    /// To record with.
     pub fn handle(&self) -> vk::Buffer {
         self.handle
     }
 
+    /// As debuggers show it.
     pub fn name(&self) -> &str {
         &self.name
     }
@@ -129,6 +132,7 @@ impl Buffer {
         self.size
     }
 
+    /// For acceleration structures and binding tables.
     pub fn address(&self) -> vk::DeviceAddress {
         self.address
     }

@@ -148,10 +148,12 @@ impl CommandRing {
         Ok(CommandRing { slots, next: 0 })
     }
 
+    /// How many frames may be in flight.
     pub fn len(&self) -> usize {
         self.slots.len()
     }
 
+    /// Is there room for none?
     pub fn is_empty(&self) -> bool {
         self.slots.is_empty()
     }
@@ -178,6 +180,7 @@ pub struct FrameCommands<'a> {
 }
 
 impl FrameCommands<'_> {
+    /// Recording.
     pub fn cmd(&self) -> vk::CommandBuffer {
         self.commands.cmd
     }

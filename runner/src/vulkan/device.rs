@@ -18,6 +18,7 @@ use std::mem::ManuallyDrop;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
+/// Which device, and what it should be able to do.
 #[derive(Clone, Debug, Default)]
 pub struct DeviceOptions {
     /// Runs under the Khronos validation layer and collects what it says.
@@ -34,12 +35,17 @@ pub struct DeviceOptions {
 
 /// Vulkan handles of an application, and what it has enabled: see [`Device::from_raw`].
 pub struct RawDevice {
+    /// Vulkan's loader.
     pub entry: ash::Entry,
+    /// Of the device.
     pub instance: ash::Instance,
+    /// That the device is of.
     pub physical_device: vk::PhysicalDevice,
+    /// The logical device.
     pub device: ash::Device,
     /// With graphics and compute.
     pub queue: vk::Queue,
+    /// Of the queue.
     pub queue_family: u32,
     /// `samplerAnisotropy` is enabled.
     pub has_anisotropy: bool,
@@ -154,22 +160,27 @@ impl Device {
         })))
     }
 
+    /// What the device is.
     pub fn info(&self) -> &DeviceInfo {
         &self.0.physical.info
     }
 
+    /// What it can do.
     pub fn limits(&self) -> &Limits {
         &self.0.limits
     }
 
+    /// Vulkan's loader.
     pub fn entry(&self) -> &ash::Entry {
         &self.0.instance.entry
     }
 
+    /// Its instance.
     pub fn instance(&self) -> &ash::Instance {
         &self.0.instance.handle
     }
 
+    /// What it is made from.
     pub fn physical_device(&self) -> vk::PhysicalDevice {
         self.0.physical.handle
     }
@@ -179,18 +190,22 @@ impl Device {
         self.0.pipelines.handle
     }
 
+    /// Functions of VK_KHR_acceleration_structure.
     pub fn acceleration(&self) -> &khr::acceleration_structure::Device {
         &self.0.handles.acceleration
     }
 
+    /// Functions of VK_KHR_ray_tracing_pipeline.
     pub fn ray_tracing(&self) -> &khr::ray_tracing_pipeline::Device {
         &self.0.handles.ray_tracing
     }
 
+    /// Functions of VK_KHR_push_descriptor.
     pub fn push_descriptor(&self) -> &khr::push_descriptor::Device {
         &self.0.handles.push_descriptor
     }
 
+    /// Functions of VK_EXT_debug_utils, where it is enabled.
     pub fn debug_utils(&self) -> Option<&ext::debug_utils::Device> {
         self.0.handles.debug_utils.as_ref()
     }

@@ -11,7 +11,9 @@ use std::ffi::CStr;
 /// One program of a pipeline, in the driver's words.
 #[derive(Clone, Debug, Serialize)]
 pub struct Executable {
+    /// Of the executable.
     pub name: String,
+    /// Shader stages that it has.
     pub stages: String,
     /// Lanes that run together; 0: the driver does not say.
     pub subgroup_size: u32,

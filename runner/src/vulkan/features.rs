@@ -5,9 +5,13 @@ use ash::vk;
 /// Features as structures for `vk::DeviceCreateInfo`: the required ones (see `physical`), and the optional ones that a device
 /// has. An application with features of its own in the same structures merges them by hand.
 pub struct Features {
+    /// Of Vulkan 1.0.
     pub core: vk::PhysicalDeviceFeatures,
+    /// Of Vulkan 1.2.
     pub v12: vk::PhysicalDeviceVulkan12Features<'static>,
+    /// Of its extension.
     pub acceleration_structure: vk::PhysicalDeviceAccelerationStructureFeaturesKHR<'static>,
+    /// Of its extension.
     pub ray_tracing_pipeline: vk::PhysicalDeviceRayTracingPipelineFeaturesKHR<'static>,
 }
 

@@ -13,10 +13,15 @@ use gpu_allocator::vulkan::Allocation;
 /// How to make an image.
 #[derive(Clone, Copy, Debug)]
 pub struct ImageDesc<'a> {
+    /// For debuggers and messages.
     pub name: &'a str,
+    /// Texels.
     pub width: u32,
+    /// Texels.
     pub height: u32,
+    /// Of its texels.
     pub format: vk::Format,
+    /// What it is for.
     pub usage: vk::ImageUsageFlags,
     /// With all mip levels down to 1 x 1, or just one.
     pub mips: bool,
@@ -105,10 +110,12 @@ impl Image {
         Ok(())
     }
 
+    /// To record with.
     pub fn handle(&self) -> vk::Image {
         self.handle
     }
 
+    /// Of all levels.
     pub fn view(&self) -> vk::ImageView {
         self.view
     }
@@ -118,6 +125,7 @@ impl Image {
         (self.width, self.height)
     }
 
+    /// Mip levels.
     pub fn levels(&self) -> u32 {
         self.levels
     }

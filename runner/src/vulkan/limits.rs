@@ -8,14 +8,19 @@ use ash::vk;
 pub struct Limits {
     /// Shader group handles, bytes.
     pub handle_size: u32,
+    /// Of shader group handles, bytes.
     pub handle_alignment: u32,
+    /// Of shader binding tables, bytes.
     pub table_alignment: u32,
+    /// Rays of one launch.
     pub max_ray_dispatch: u32,
     /// Draws of one indirect command.
     pub max_draws: u32,
+    /// Of scratch memory of builds, bytes.
     pub scratch_alignment: u32,
     /// Of a bottom-level structure.
     pub max_geometries: u64,
+    /// Of one structure.
     pub max_triangles: u64,
     /// Of a top-level structure.
     pub max_instances: u64,
@@ -25,7 +30,9 @@ pub struct Limits {
     pub timestamp_bits: u32,
     /// Bytes of one storage buffer binding.
     pub max_storage_buffer: u64,
+    /// Of uniform buffers, bytes.
     pub uniform_alignment: u64,
+    /// Bytes.
     pub max_push_constants: u32,
     /// Sampled images that one stage can reach.
     pub max_textures: u32,

@@ -1,17 +1,25 @@
 //! Vulkan, as thin as safety allows. Reading order: `device` (of `features`, `handles`, `limits`, `memory`, `samplers`, `queue`), `buffer`, `image`, `commands`, `upload`,
 //! `acceleration`, `descriptors`, `pipeline`, `ray_pipeline`, `draw_target`, `draw_pipeline`, `timing`.
 //!
+//! Modules that documentation hides serve the frame and this workspace's programs alone.
+//!
 //! Recording takes raw `vk::CommandBuffer`s: whoever records keeps what the commands use alive until they have run.
 
+#[doc(hidden)]
 pub mod acceleration;
+#[doc(hidden)]
 pub mod bottom_level;
 pub mod buffer;
 pub mod commands;
 mod compaction;
+#[doc(hidden)]
 pub mod descriptors;
 pub mod device;
+#[doc(hidden)]
 pub mod draw_pipeline;
+#[doc(hidden)]
 pub mod draw_target;
+#[doc(hidden)]
 pub mod executables;
 mod features;
 mod handles;
@@ -20,14 +28,19 @@ mod instance;
 mod limits;
 mod memory;
 mod physical;
+#[doc(hidden)]
 pub mod pipeline;
 pub mod pipeline_cache;
 mod queue;
+#[doc(hidden)]
 pub mod ray_pipeline;
 mod samplers;
+#[doc(hidden)]
 pub mod shader_table;
 pub mod timing;
+#[doc(hidden)]
 pub mod top_level;
+#[doc(hidden)]
 pub mod upload;
 
 #[cfg(test)]
@@ -57,6 +70,7 @@ use std::ffi::CString;
 
 /// Turns a failed call into the project's error; `what` was being done ("create buffer 'lights'").
 pub trait Check<T> {
+    /// The value, or the error of the call that was to do `what`.
     fn check(self, what: impl std::fmt::Display) -> Result<T>;
 }
 

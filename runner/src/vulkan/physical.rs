@@ -9,6 +9,7 @@ use std::ffi::CStr;
 /// A device, in words.
 #[derive(Clone, Debug, Serialize)]
 pub struct DeviceInfo {
+    /// As the driver calls it.
     pub name: String,
     /// "discrete", "integrated", "virtual", "cpu" or "other".
     pub kind: &'static str,

@@ -30,6 +30,7 @@ impl Queue {
 }
 
 impl Device {
+    /// Index of the queue's family.
     pub fn queue_family(&self) -> u32 {
         self.submission().family
     }

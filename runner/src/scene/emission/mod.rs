@@ -54,6 +54,7 @@ pub struct Part {
 pub struct Emitters(pub Vec<Vec<Option<Emission>>>);
 
 impl Emitters {
+    /// Of all meshes of `scene`.
     pub fn new(scene: &SceneDescription) -> Self {
         let even = |primitive: &Primitive| {
             let material = &scene.materials[primitive.material];

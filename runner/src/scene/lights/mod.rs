@@ -53,6 +53,7 @@ pub struct LightTable {
 }
 
 impl LightTable {
+    /// All lights of `scene`: placed, emissive triangles, texels of the sky.
     pub fn new(scene: &SceneDescription) -> Self {
         let emitters = Emitters::new(scene);
         let mut lights = placed_lights(scene);

@@ -6,9 +6,13 @@ use shared::light::Light;
 /// A light with a place of its own, in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PlacedLight {
+    /// In every direction.
     Point(PointLight),
+    /// Into a cone.
     Spot(SpotLight),
+    /// From infinity.
     Directional(DirectionalLight),
+    /// From a rectangle or a disk.
     Panel(PanelLight),
 }
 
@@ -34,6 +38,7 @@ pub struct SpotLight {
     pub intensity: Vec3,
     /// Angles from the axis, radians: full intensity up to the inner, none from the outer on.
     pub inner_angle: f32,
+    /// None from here on, radians.
     pub outer_angle: f32,
     /// m; 0 for a point, else its flux leaves a disk across the axis.
     pub radius: f32,
@@ -59,14 +64,18 @@ pub struct PanelLight {
     pub up: Vec3,
     /// Width and height, m; of a disk both are the diameter.
     pub size: Vec2,
+    /// Rectangle or disk.
     pub shape: PanelShape,
     /// nit, linear RGB
     pub radiance: Vec3,
 }
 
+/// Of a flat light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PanelShape {
+    /// Width x height.
     Rectangle,
+    /// An ellipse where width and height differ.
     Disk,
 }
 
