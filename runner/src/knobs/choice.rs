@@ -6,14 +6,17 @@ use shared::frame::{indirect, mode};
 
 /// One of a few words, from the lowest to the highest.
 pub trait Choice: Copy + PartialEq + 'static {
+    /// From the lowest to the highest.
     const ALL: &'static [Self];
     /// Of each: as people type it, and what it means.
     const WORDS: &'static [(&'static str, &'static str)];
 
+    /// What people type for it.
     fn word(self) -> &'static str {
         Self::ALL.iter().zip(Self::WORDS).find(|(choice, _)| **choice == self).map_or("", |(_, word)| word.0)
     }
 
+    /// The one that `word` stands for.
     fn from_word(word: &str) -> Option<Self> {
         Self::ALL.iter().zip(Self::WORDS).find(|(_, known)| known.0 == word).map(|(&choice, _)| choice)
     }
