@@ -68,8 +68,14 @@ fn an_embedded_frame_is_the_same_frame() {
 
 /// Every mean within 4.5 standard errors of the sum that the example computes: five false alarms in a million, with a fixed seed.
 #[test]
-fn the_estimator_has_the_mean_of_the_sum() {
-    let text = run("estimator", &[]);
+fn estimates_have_the_mean_of_the_sum() {
+    for example in ["estimator", "custom_light"] {
+        has_the_mean_of_the_sum(example);
+    }
+}
+
+fn has_the_mean_of_the_sum(example: &str) {
+    let text = run(example, &[]);
     let sum = number(text.lines().next().unwrap(), "lights:");
     let rows: Vec<(f64, f64)> = text
         .lines()
