@@ -13,6 +13,7 @@ use glam::{Affine3A, DAffine3, DQuat, DVec3, Quat, UVec2, Vec3, Vec3A, Vec4};
 use shared::alpha::primary_key;
 use shared::camera::Camera;
 use shared::frame::{FrameConstants, Settings};
+use shared::math::CENTER;
 use shared::raster::triangle;
 use shared::resources::Resource;
 use shared::surface::GBufferTexel;
@@ -48,6 +49,7 @@ fn see(renderer: &mut Renderer, camera: Camera, primary: Primary) -> Seen {
 fn alpha_key(pixel: UVec2) -> u32 {
     let camera = look(Vec3::ZERO, Vec3::X, 1.0);
     let frame = FrameConstants {
+        place: CENTER,
         camera,
         previous_camera: camera,
         size: SIZE,

@@ -89,6 +89,7 @@ fn scalars(element: &str) -> &'static str {
         "UVec2" => "uu",
         "Vec2" => "ff",
         "Vec3" => "fff",
+        "Vec4" => "ffff",
         "Aim" => "uu",
         "AliasEntry" => "uuff",
         "Cell" => "fffffffff",

@@ -8,7 +8,7 @@ use shared::environment::EnvironmentTexel;
 use shared::geometry::{InstanceGeometry, VertexAttributes};
 use shared::glam::{UVec2, Vec2, Vec3};
 use shared::material::Material;
-use shared::math::{CENTER, unpack_place};
+use shared::math::unpack_place;
 use shared::passes::At;
 use shared::passes::points::pack_pixel;
 use shared::points::{Aim, ScenePoint};
@@ -57,25 +57,25 @@ fn met(at: At<'_>, eye: Eye<'_>, direction: Vec3) -> ScenePoint {
 }
 
 sees! {
-    /// What each pixel's center sees, by a ray.
+    /// What each pixel sees through the frame's place, by a ray.
     gbuffer(eye: Eye<'_>;) -> (GBufferTexel, Vec3, ScenePoint) |at, scene, textures| {
-        let direction = direction(at, CENTER);
+        let direction = direction(at, at.frame.place);
         let point = met(at, eye, direction);
         let (texel, radiance) = scene.seen(textures, at.frame, direction, point);
-        (texel, radiance, point)
+        (texel.seen_through(at.frame.place), radiance, point)
     }
 }
 
 sees! {
     /// The same, from the triangle that `visibility` has drawn there.
     gbuffer_raster(; visibility: &[UVec2]) -> (GBufferTexel, Vec3, ScenePoint) |at, scene, textures| {
-        let direction = direction(at, CENTER);
+        let direction = direction(at, at.frame.place);
         let point = match raster::triangle(visibility[at.index(Extent::Pixels)]) {
             None => ScenePoint::default(),
             Some((instance, primitive)) => scene.hit(at.frame, direction, instance, primitive),
         };
         let (texel, radiance) = scene.seen(textures, at.frame, direction, point);
-        (texel, radiance, point)
+        (texel.seen_through(at.frame.place), radiance, point)
     }
 }
 

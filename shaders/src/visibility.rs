@@ -30,7 +30,7 @@ macro_rules! vertex {
             let geometry = instances[instance as usize];
             let corner = raster::Corner::new(&geometry, vertex);
             let index = geometry.first_vertex + indices[corner.index(&geometry) as usize];
-            *place = geometry.clip(&frame.camera, positions[index as usize]);
+            *place = raster::aimed(frame, geometry.clip(&frame.camera, positions[index as usize]));
             *triangle = raster::stored(instance, corner.primitive);
             $(*$barycentrics = corner.barycentrics();)?
         }

@@ -165,6 +165,8 @@ pub struct FrameConstants {
     pub first_environment_light: u32,
     /// Lights of the light tree.
     pub tree_lights: u32,
+    /// Place in its pixel that each looks through, packed ([`crate::math::pack_place`]), where points do not last.
+    pub place: u32,
 }
 
 impl FrameConstants {

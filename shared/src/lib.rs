@@ -35,6 +35,7 @@
 
 pub mod alias_table;
 pub mod alpha;
+pub mod antialias;
 pub mod bounced;
 pub mod bsdf;
 pub mod camera;

@@ -2,8 +2,9 @@
 //! triangle that was drawn there.
 
 use crate::camera::Camera;
+use crate::frame::FrameConstants;
 use crate::geometry::InstanceGeometry;
-use crate::math::cross;
+use crate::math::{cross, unpack_place};
 use glam::{UVec2, Vec2, Vec3, Vec4};
 
 /// Distance of the near plane, m. Depth is `NEAR / distance` (reversed, no far plane), an f32 with the same relative
@@ -21,6 +22,12 @@ pub fn clip(camera: &Camera, relative: Vec3) -> Vec4 {
     let (of_x, of_y, of_w) = (up.cross(forward), forward.cross(right), right.cross(up));
     let scale = 1.0 / forward.dot(of_w);
     Vec4::new(relative.dot(of_x) * scale, -relative.dot(of_y) * scale, NEAR, relative.dot(of_w) * scale)
+}
+
+/// Clip coordinates under which what pixels see through the frame's place lies at their centers.
+pub fn aimed(frame: &FrameConstants, clip: Vec4) -> Vec4 {
+    let shift = (0.5 - unpack_place(frame.place)) * 2.0 * clip.w / frame.size.as_vec2();
+    clip + shift.extend(0.0).extend(0.0)
 }
 
 impl InstanceGeometry {

@@ -63,6 +63,8 @@ macro_rules! resources {
             (1    smoothed             (Smoothed)          2      Pixels      { smoothed = 40, previous_smoothed = 41 })
             (1    filtered             (Filtered)          2      Pixels      { filtering = 42, filtered = 43 })
             (1    met                  (ScenePoint)        1      Reservoirs  { met = 44 })
+            (1    aliased              (Vec3)              0      Pixels      { aliased = 45 })
+            (1    antialiased          (Vec4)              2      Pixels      { antialiased = 46, previous_antialiased = 47 })
             (2    previous_lights      (Light)             1      Scene       { previous_lights = 1 })
             (2    motions              (InstanceMotion)    1      Scene       { motions = 2 })
             (2    previous_to_current  (u32)               1      Scene       { previous_to_current = 3 })
@@ -90,7 +92,7 @@ pub mod element {
     pub use crate::statistics::BlockSums;
     pub use crate::stored_ray::StoredRay;
     pub use crate::surface::GBufferTexel;
-    pub use glam::{UVec2, Vec2, Vec3};
+    pub use glam::{UVec2, Vec2, Vec3, Vec4};
 }
 
 /// Descriptor sets, and what is bound in them beside buffers.

@@ -13,7 +13,9 @@ use candela::image_io::PictureFormat;
 use candela::vulkan::Device;
 use candela_lab::measure::sweep::truth::{Lighting, PATHS_A_FRAME};
 use clap::Args;
+use shared::antialias::place_in_a_mean;
 use shared::interface::UNBOUNDED;
+use shared::math::CENTER;
 use std::time::{Duration, Instant};
 
 #[derive(Args, Clone, Debug)]
@@ -34,6 +36,9 @@ pub struct ReferenceArgs {
     /// Paths a pixel for indirect light.
     #[arg(long, default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..))]
     pub paths: u32,
+    /// Look through another place in each pixel with each sample, drawn like a Gaussian filter: the truth of an antialiased mean.
+    #[arg(long)]
+    pub antialias: bool,
     /// As for `render`.
     #[arg(long, value_parser = choice::<Primary>(), default_value = "auto")]
     pub primary: Primary,
@@ -48,7 +53,8 @@ pub fn run(args: &ReferenceArgs) -> Result<()> {
     let gpu_scene = GpuScene::new(&device, &scene)?;
     let lighting = Lighting::new(&gpu_scene, args.primary);
     let lights = lighting.lights;
-    let samples = if lighting.is_exact() { 1 } else { args.samples };
+    let samples = if lighting.is_exact() && !args.antialias { 1 } else { args.samples };
+    let place = |frame: u32| if args.antialias { place_in_a_mean(frame) } else { CENTER };
     let mut renderer = Renderer::new(&device, gpu_scene, args.picture.size, 0)?;
     let options = args.picture.options(Work::Reference { lights }, args.primary);
     let metered = match format {
@@ -61,15 +67,15 @@ pub fn run(args: &ReferenceArgs) -> Result<()> {
     let mut progress = Steps::new(u64::from(samples) + u64::from(path_frames), "reference");
     let start = Instant::now();
     let mut accumulation = Accumulation::new(args.picture.size, options.parts);
-    for _ in 0..samples {
-        renderer.render(camera, &options)?;
+    for frame in 0..samples {
+        renderer.render(camera, &FrameOptions { place: place(frame), ..options })?;
         accumulation.add(&renderer)?;
         progress.step();
     }
     let summed = start.elapsed();
     let work = Work::Paths { bounces: args.bounces, paths: paths_a_frame };
-    for _ in 0..path_frames {
-        renderer.render(camera, &FrameOptions { work, ..options })?;
+    for frame in 0..path_frames {
+        renderer.render(camera, &FrameOptions { work, place: place(frame), ..options })?;
         accumulation.add_paths(&renderer)?;
         progress.step();
     }
@@ -86,7 +92,9 @@ pub fn run(args: &ReferenceArgs) -> Result<()> {
         n => println!("{paths} paths a pixel, {n} bounces, {}", seconds(traced)),
     }
     match samples.max(path_frames) {
-        1 if lighting.is_exact() && paths == 0 => println!("exact: no light has an extent"),
+        1 if lighting.is_exact() && !args.antialias && paths == 0 => {
+            println!("exact: no light has an extent")
+        }
         1 => {}
         _ => println!(
             "standard error of the mean: {:.2e} of the mean luminance",

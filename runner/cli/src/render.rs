@@ -15,7 +15,9 @@ use candela::startup;
 use candela::vulkan::Device;
 use candela_lab::measure::times::PassTimes;
 use clap::Args;
+use shared::antialias::place_in_a_mean;
 use shared::frame::Settings;
+use shared::math::CENTER;
 use shared::resources::Resource;
 use std::ops::Range;
 use std::path::PathBuf;
@@ -47,8 +49,11 @@ pub struct RenderArgs {
     /// better sooner with --no-temporal --no-spatial.
     #[arg(long)]
     pub accumulate: bool,
-    /// Denoise the picture, for the eye: means over frames along surface points and an edge-stopping filter. Its histories are those
-    /// of frames whose mean is taken.
+    /// Antialias the mean of `--accumulate`: each frame looks through another place in each pixel, drawn like a Gaussian filter.
+    #[arg(long, requires = "accumulate")]
+    pub antialias: bool,
+    /// Denoise and antialias the picture, for the eye: means over frames along surface points, an edge-stopping filter, and a mean
+    /// over places in each pixel (not with --pixel-centers). Its histories are those of frames whose mean is taken.
     #[arg(long, conflicts_with_all = ["accumulate", "layers"])]
     pub denoise: bool,
     /// Write the truth beside the picture, an .exr: the sum over all lights at the very points that its pixels shaded; of a sequence
@@ -91,7 +96,7 @@ fn still(args: &RenderArgs, frames: u32) -> Result<()> {
     if args.accumulate && device.info().is_processor() && (settings.temporal | settings.spatial) != 0 {
         eprintln!("note: on a processor the mean of frames converges faster with --no-temporal --no-spatial");
     }
-    let options = args.options(settings, knobs.primary);
+    let mut options = args.options(settings, knobs.primary);
 
     // Radiance is radiance: only what is made for a display looks at one.
     let metered = match format {
@@ -102,6 +107,7 @@ fn still(args: &RenderArgs, frames: u32) -> Result<()> {
     let mut times = PassTimes::default();
     let mut layers = (args.accumulate && options.parts).then(|| Accumulation::new(size, true));
     for frame in 1..=frames {
+        options.place = if args.antialias { place_in_a_mean(frame - 1) } else { CENTER };
         times.add(match layers {
             None if args.accumulate => renderer.render_into_mean(camera, &options, frame)?,
             _ => renderer.render(camera, &options)?,
@@ -143,7 +149,8 @@ impl RenderArgs {
     }
 
     pub fn options(&self, settings: Settings, primary: Primary) -> FrameOptions {
-        FrameOptions { denoise: self.denoise, ..self.picture.options(Work::Restir(settings), primary) }
+        let options = self.picture.options(Work::Restir(settings), primary);
+        if self.denoise { options.finished() } else { options }
     }
 }
 

@@ -8,6 +8,7 @@ use bytemuck::Pod;
 use glam::{UVec2, Vec3};
 use shared::camera::Camera;
 use shared::frame::indirect;
+use shared::math::CENTER;
 use shared::resources::Resource;
 use shared::stored_ray::StoredRay;
 
@@ -22,6 +23,10 @@ pub struct History {
     pub(super) paths: u32,
     /// The last frame was denoised.
     pub(super) denoised: bool,
+    /// The last frame was antialiased.
+    pub(super) antialiased: bool,
+    /// [`shared::frame::FrameConstants::place`] of the last frame.
+    pub(super) place: u32,
     /// Frames at rest since points last moved in their pixels.
     pub(super) rested: u32,
     /// [`crate::gpu_scene::GpuScene::version`] that the last frame saw.
@@ -41,6 +46,8 @@ impl History {
             points: Points::Centers,
             paths: indirect::OFF,
             denoised: false,
+            antialiased: false,
+            place: CENTER,
             rested: 0,
             scene: 0,
             reservoirs,

@@ -17,6 +17,7 @@ use glam::Vec3;
 use shared::camera::Camera;
 use shared::frame::{FrameConstants, Settings, features};
 use shared::interface::PassConstants;
+use shared::math::CENTER;
 use shared::passes::Pass;
 use shared::passes::points::TURNS;
 use shared::resources::{Resource, set};
@@ -45,6 +46,11 @@ pub struct FrameOptions {
     pub parts: bool,
     /// Is what is shown denoised ([`shared::denoise`])? For the eye: radiance is not that of the estimator.
     pub denoise: bool,
+    /// Is what is denoised antialiased too ([`shared::antialias`])? Not with `pixel_centers`.
+    pub antialias: bool,
+    /// Place in its pixel that each looks through, packed ([`shared::math::pack_place`]): the center. Points of frames through other
+    /// places do not last.
+    pub place: u32,
 }
 
 impl FrameOptions {
@@ -58,7 +64,14 @@ impl FrameOptions {
             background: Vec3::ZERO,
             parts: false,
             denoise: false,
+            antialias: false,
+            place: CENTER,
         }
+    }
+
+    /// Denoised and antialiased.
+    pub fn finished(self) -> Self {
+        FrameOptions { denoise: true, antialias: true, ..self }
     }
 }
 
@@ -71,6 +84,7 @@ struct Plan {
     now: u64,
     points: Points,
     denoises: bool,
+    antialiases: bool,
     /// It looks at the frame before, and no frame follows it.
     looks_back: bool,
 }
@@ -81,9 +95,11 @@ impl Plan {
         if !self.looks_back {
             history.advance(camera, self.next, self.now);
             history.points = self.points;
+            history.place = self.constants.place;
             history.rested = if self.points == Points::Returning { history.rested + 1 } else { 0 };
             history.paths = self.constants.settings.indirect;
             history.denoised = self.denoises;
+            history.antialiased = self.antialiases;
         }
     }
 }
@@ -242,6 +258,7 @@ impl Recorder {
             environment_size: self.scene.environment_size(),
             first_environment_light: self.scene.first_environment_light(),
             tree_lights: self.scene.tree_lights(),
+            place: options.place,
         };
         let draws = options.primary.draws(&self.device);
         let features = self.scene.features();
@@ -252,20 +269,26 @@ impl Recorder {
         }
         let lasting = matches!(options.work, Work::Restir(_))
             && settings.pixel_centers == 0
+            && (options.place, history.place) == (CENTER, CENTER)
             && options.primary != Primary::Raster
             && history.index > 0;
+        let denoise = options.denoise && matches!(options.work, Work::Restir(_));
+        let antialias = denoise && options.antialias && settings.pixel_centers == 0;
         let points = match (lasting, rests) {
             (false, _) => Points::Centers,
+            (true, _) if antialias && history.previous_camera == Some(camera) => Points::Wandering,
             (true, false) => Points::Lasting,
             (true, true) if history.points == Points::Centers || history.rested >= TURNS => Points::Centers,
             (true, true) => Points::Returning,
         };
-        let same_points = rests && points == Points::Centers && history.points == Points::Centers;
+        let same_points = rests
+            && options.place == history.place
+            && points == Points::Centers
+            && history.points == Points::Centers;
         // Stochastic alpha may show another point. The first frame has no history to ask.
         let still =
             !self.ignores_motion && (history.index == 0 || same_points && features & features::ALPHA == 0);
         let has_paths = history.index > 0 && history.paths == settings.indirect;
-        let denoise = options.denoise && matches!(options.work, Work::Restir(_));
         let conditions = Conditions {
             draws,
             points,
@@ -275,6 +298,8 @@ impl Recorder {
             parts: options.parts || denoise,
             denoise,
             denoised: history.index > 0 && history.denoised,
+            antialias,
+            antialiased: history.index > 0 && history.antialiased,
             has_paths,
         };
         let (steps, next) = schedule(&options.work, conditions, history.rotation);
@@ -282,7 +307,8 @@ impl Recorder {
             history.targets.make(&self.device, target.resource)?;
         }
         self.pipelines.prepare(steps.iter().map(|step| (step.pass, step.variant)))?;
-        Ok(Plan { constants, steps, next, now, points, denoises: denoise, looks_back })
+        let (denoises, antialiases) = (denoise, antialias);
+        Ok(Plan { constants, steps, next, now, points, denoises, antialiases, looks_back })
     }
 
     /// Records passes that look at the frame of `history` that was recorded just before, and at the mean of `reference`.

@@ -58,6 +58,8 @@ pub enum Points {
     Lasting,
     /// The same where nothing has changed: they return to the centers.
     Returning,
+    /// Points that last, before a camera at rest: one after the other takes another place in its pixel.
+    Wandering,
 }
 
 /// What the passes of a frame depend on beside its work.
@@ -79,6 +81,10 @@ pub struct Conditions {
     pub denoise: bool,
     /// The frame before was denoised.
     pub denoised: bool,
+    /// What is shown is antialiased, which is denoised.
+    pub antialias: bool,
+    /// The frame before was antialiased.
+    pub antialiased: bool,
     /// The frame before left paths like those that this one draws.
     pub has_paths: bool,
 }
@@ -112,6 +118,7 @@ pub fn schedule(work: &Work, conditions: Conditions, rotation: Rotation) -> (Vec
             restir_gi(&mut frame, settings);
             if frame.conditions.denoise {
                 denoise(&mut frame, settings);
+                antialias(&mut frame);
             } else {
                 resolve(&mut frame);
                 if frame.conditions.parts && settings.indirect != indirect::OFF {
@@ -165,6 +172,7 @@ fn surfaces(frame: &mut Frame) {
         (Points::Centers, false) => return frame.run(Pass::gbuffer),
         (Points::Lasting, _) => 0,
         (Points::Returning, _) => variant::RESTS,
+        (Points::Wandering, _) => variant::WANDERS,
     };
     frame.run(Pass::scatter);
     frame.run(Pass::land);
@@ -224,7 +232,7 @@ fn restir_di(frame: &mut Frame, settings: &Settings) {
 fn lasting(conditions: Conditions) -> u32 {
     match conditions.points {
         Points::Centers => 0,
-        Points::Lasting | Points::Returning => variant::LASTING,
+        Points::Lasting | Points::Returning | Points::Wandering => variant::LASTING,
     }
 }
 
@@ -309,7 +317,22 @@ fn denoise(frame: &mut Frame, settings: &Settings) {
         frame.filter(Pass::denoise_spatial, 0, iteration);
     }
     frame.resolved = true;
+    // Light in parts is dead by then.
+    frame.aliased = frame.conditions.antialias;
     frame.run(Pass::resolve_denoised);
+}
+
+/// The mean of the picture over places in its pixels, see [`shared::antialias`].
+fn antialias(frame: &mut Frame) {
+    let Conditions { antialias, antialiased, moved, .. } = frame.conditions;
+    if antialias {
+        frame.aliased = false;
+        let bit = |is: bool, variant: u32| if is { variant } else { 0 };
+        frame.run_variant(
+            Pass::antialias,
+            bit(antialiased, variant::ANTIALIASED | bit(moved, variant::MOVING)),
+        );
+    }
 }
 
 /// Steps that look at a frame, of which `after` is the rotation that it left.
@@ -345,6 +368,8 @@ struct Frame {
     output: usize,
     /// Copy of what is filtered that the next pass of the denoiser reads.
     filtering: usize,
+    /// Behind `radiance` stands the picture of this frame alone.
+    aliased: bool,
     /// Behind `radiance` stands the picture, not yet its emission alone.
     resolved: bool,
     steps: Vec<Step>,
@@ -359,6 +384,7 @@ impl Frame {
             input,
             output,
             filtering: 0,
+            aliased: false,
             resolved: !conditions.parts,
             steps: Vec::new(),
         }
@@ -424,6 +450,10 @@ impl Frame {
             Binding::paths => copy(Resource::paths, self.input),
             Binding::merged_paths => copy(Resource::paths, self.output),
             Binding::path_history | Binding::path_targets => copy(Resource::paths, self.rotation.history),
+            Binding::antialiased => copy(Resource::antialiased, self.rotation.gbuffer),
+            Binding::previous_antialiased => copy(Resource::antialiased, 1 - self.rotation.gbuffer),
+            Binding::aliased => Resource::direct_diffuse.into(),
+            Binding::radiance if self.aliased => Resource::direct_diffuse.into(),
             Binding::radiance if !self.resolved => Resource::emission.into(),
             once => once.resource().into(),
         }

@@ -152,7 +152,7 @@ pub const BINDINGS: &[Binding] = &[
     bind(KeyCode::Digit4, false, "4", "preset Reference", Command::Preset(Preset::Reference)),
     bind(KeyCode::Backspace, false, "Backspace", "reset all knobs", Command::Reset),
     bind(KeyCode::KeyP, false, "P", "accumulate frames", Command::Accumulate),
-    bind(KeyCode::KeyM, false, "M", "denoise what is shown", Command::Denoise),
+    bind(KeyCode::KeyM, false, "M", "denoise and antialias what is shown", Command::Denoise),
     bind(KeyCode::KeyP, true, "Shift P", "start again", Command::Restart),
     bind(KeyCode::KeyG, false, "G", "next view", Command::NextView(Step::Up)),
     bind(KeyCode::KeyG, true, "Shift G", "view before", Command::NextView(Step::Down)),

@@ -17,7 +17,7 @@ mod smoothed;
 
 pub use color::{colored, pack_color, unpack_color};
 pub use guide::{Guide, PackedGuide};
-pub use smoothed::{Smoothed, clamped};
+pub use smoothed::{Smoothed, clamped, share};
 
 use bytemuck::{Pod, Zeroable};
 use glam::{UVec4, Vec3};

@@ -46,7 +46,9 @@ impl Smoothed {
         } else {
             IN_MOTION
         };
-        let most = if same_point { most } else { most.min(ANOTHER_POINT) };
+        // At rest another point of the surface in the same pixel goes on with the pixel's mean.
+        let goes_on = same_point || rests && !changed;
+        let most = if goes_on { most } else { most.min(ANOTHER_POINT) };
         let most_specular =
             if rests { most } else { most.min(LEAST_SPECULAR.max(SPECULAR_IN_MOTION * roughness)) };
         Smoothed {
@@ -69,7 +71,7 @@ impl Smoothed {
 }
 
 /// Of frame number `frames` in a mean: weights of 1, 3, 6, 10 ...
-fn share(frames: f32) -> f32 {
+pub fn share(frames: f32) -> f32 {
     GROWTH / (frames + GROWTH - 1.0)
 }
 

@@ -290,3 +290,22 @@ fn similarity_is_symmetric() {
         assert!(a.similarity(a, 0.02, 1.0) > 0.99);
     }
 }
+
+/// Where something has changed, means are held against all of the light, what has bounced too. Negative control: against direct light
+/// alone five sixths would be gone.
+#[test]
+fn what_bounces_stays_where_something_changes() {
+    let (frame, gbuffer) = (frame(), wall());
+    let (direct, bounced) = (vec![Vec3::ONE; 1536], vec![Vec3::splat(5.0); 1536]);
+    let (black, motions) = (vec![Vec3::ZERO; 1536], [Zeroable::zeroed()]);
+    let mean = Smoothed { diffuse: Vec3::splat(6.0), diffuse_frames: 8.0, ..Smoothed::default() };
+    let before = vec![mean; 1536];
+    let bits = variant::BOUNCED | variant::DENOISED | variant::MOVING;
+    let after = |bits: u32| {
+        let middle = UVec3::new(SIZE.x / 2, SIZE.y / 2, 0);
+        let at = At::new(&frame, PassConstants::zeroed(), 0, bits, middle);
+        denoise_temporal(at, &gbuffer, &gbuffer, &[], &motions, &direct, &black, &bounced, &black, &before).0
+    };
+    assert!((after(bits).diffuse.x - 6.0).abs() < 1e-4, "{:?}", after(bits));
+    assert!((after(bits & !variant::BOUNCED).diffuse.x - 1.0).abs() < 1e-4);
+}

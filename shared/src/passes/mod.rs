@@ -4,6 +4,7 @@
 //! a [`Visibility`]; every candidate, target, weight and choice is told to a [`Witness`], which is nothing on the GPU.
 
 pub mod accumulate;
+pub mod antialias;
 pub mod cells;
 #[cfg(not(target_arch = "spirv"))]
 mod declared;
@@ -31,6 +32,7 @@ mod visibility;
 mod witness;
 
 pub use accumulate::accumulate;
+pub use antialias::antialias;
 pub use cells::{cells, mark_cells, pools};
 #[cfg(not(target_arch = "spirv"))]
 pub use declared::{Access, Body, Output, Pass, Rays, Stage, run};
@@ -97,6 +99,10 @@ pub mod variant {
     pub const DENOISED: u32 = 128;
     /// Paths begin along the BSDF rays of `initial_met`.
     pub const MET: u32 = 256;
+    /// Points of a picture at rest take one place in their pixels after the other.
+    pub const WANDERS: u32 = 512;
+    /// The previous frame was antialiased too.
+    pub const ANTIALIASED: u32 = 1024;
 }
 
 /// One thread of a pass, and what is the same for all of them.

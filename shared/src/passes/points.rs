@@ -1,6 +1,7 @@
 //! Where the points of the previous frame fall, and where each pixel looks: see [`crate::points`].
 
 use super::{At, variant};
+use crate::antialias::quasirandom;
 use crate::counters::Counters;
 use crate::frame::FrameConstants;
 use crate::geometry::InstanceGeometry;
@@ -63,8 +64,9 @@ pub fn land(
 pub fn aim(at: At<'_>, previous_points: &[ScenePoint], caught: &[u32], landings: &[u32]) -> Aim {
     let frame = at.frame;
     let has_turn = has_turn(frame, at.pixel);
-    if has_turn && at.is(variant::RESTS) {
-        return Aim::anew(CENTER);
+    let home = if at.is(variant::WANDERS) { place_at_rest(frame, at.pixel) } else { CENTER };
+    if has_turn && (at.is(variant::RESTS) || at.is(variant::WANDERS)) {
+        return Aim::anew(home);
     }
     let own = at.index(Extent::Pixels);
     if let Some(source) = Caught(caught[own]).source(frame.pixels()) {
@@ -98,7 +100,7 @@ pub fn aim(at: At<'_>, previous_points: &[ScenePoint], caught: &[u32], landings:
         i += 1;
     }
     if was_background(at, previous_points) {
-        Aim::anew(CENTER)
+        Aim::anew(home)
     } else if distance < BORROWED && !has_turn {
         nearest
     } else {
@@ -139,7 +141,17 @@ fn was_background(at: At<'_>, previous_points: &[ScenePoint]) -> bool {
 
 /// Is this the frame, one of [`TURNS`], in which `pixel` gets a new point?
 fn has_turn(frame: &FrameConstants, pixel: UVec2) -> bool {
-    hash(UVec4::new(pixel.x, pixel.y, 0, 0)).x.wrapping_add(frame.index).is_multiple_of(TURNS)
+    (first_turn(pixel) + frame.index).is_multiple_of(TURNS)
+}
+
+fn first_turn(pixel: UVec2) -> u32 {
+    hash(UVec4::new(pixel.x, pixel.y, 0, 0)).x % TURNS
+}
+
+/// Where `pixel` looks at rest since its last turn, packed: from turn to turn places cover the pixel evenly. Pixels whose turns are near in time look at the same place in each: when the
+/// camera moves on, points fall into pixels one to one.
+pub fn place_at_rest(frame: &FrameConstants, pixel: UVec2) -> u32 {
+    pack_place(quasirandom((first_turn(pixel) + frame.index) / TURNS))
 }
 
 /// 0, -1, 1, -2, 2 ...

@@ -114,6 +114,8 @@ macro_rules! passes {
                 [filtering] [] [filtered])
             (resolve_denoised Pixels { compute() resolve_denoised }
                 [gbuffer emission smoothed filtering] [] [radiance])
+            (antialias Pixels { compute() antialias }
+                [gbuffer motions aliased previous_antialiased] [] [antialiased radiance])
             (tonemap Pixels { compute() tonemap }
                 [radiance] [] [display])
             (accumulate Pixels { compute() accumulate }

@@ -83,6 +83,7 @@ impl<'a> Sequence<'a> {
             environment_size: if sky.is_some() { SKY } else { UVec2::ZERO },
             first_environment_light: sky.unwrap_or(0) as u32,
             tree_lights: tree.lights.len() as u32,
+            place: 0,
         };
         let known = features::TRACEABLE | features::LIGHT_KINDS;
         // What has lights by its triangles' numbers, and what has none: see `World::nearest`.

@@ -186,7 +186,8 @@ impl Frames {
         let denoise = state.denoise && !state.accumulate && !state.error && state.view == View::Final;
         match options.work {
             Work::Restir(settings) if state.accumulate || denoise => {
-                FrameOptions { work: Work::Restir(settings.for_a_mean()), denoise, ..options }
+                let options = FrameOptions { work: Work::Restir(settings.for_a_mean()), ..options };
+                if denoise { options.finished() } else { options }
             }
             _ => options,
         }

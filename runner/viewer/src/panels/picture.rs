@@ -39,7 +39,7 @@ pub fn show(ui: &mut Ui, state: &mut State, info: &Info, actions: &mut Vec<Actio
             state.restarts += 1;
         }
         ui.checkbox(&mut state.denoise, "Denoise")
-            .on_hover_text("For the eye; errors are never those of what is denoised");
+            .on_hover_text("And antialias: for the eye; errors are never those of what is shown so");
         if state.accumulate {
             ui.weak(format!("{} frames", info.facts.counts.0));
         }

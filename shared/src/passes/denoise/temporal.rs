@@ -11,7 +11,7 @@ use crate::reflected::Parts;
 use crate::resampling::reprojection::Before;
 use crate::resources::Extent;
 use crate::surface::GBufferTexel;
-use glam::{IVec2, UVec2, Vec3};
+use glam::{IVec2, UVec2, Vec2, Vec3};
 #[cfg(target_arch = "spirv")]
 use spirv_std::num_traits::Float;
 
@@ -37,10 +37,9 @@ pub fn denoise_temporal(
     if texel.is_empty() {
         return (Smoothed::default(), Filtered::default());
     }
-    let mut fresh = Parts { diffuse: direct_diffuse[own], specular: direct_specular[own] };
-    if at.is(variant::BOUNCED) {
-        fresh += Parts { diffuse: indirect_diffuse[own], specular: indirect_specular[own] };
-    }
+    let bounced = at.is(variant::BOUNCED);
+    let light =
+        Light { frame, bounced, direct_diffuse, direct_specular, indirect_diffuse, indirect_specular };
     let surface = at.surface(&texel);
     let mut mean = Smoothed::default();
     if at.is(variant::DENOISED) {
@@ -58,12 +57,11 @@ pub fn denoise_temporal(
             let same_point = lasts != 0 || there.is_same_point(&surface);
             mean = previous_smoothed[index].lasting(frame, same_point, changed, texel.roughness());
             if changed {
-                mean.diffuse = near(frame, at.pixel, direct_diffuse, mean.diffuse);
-                mean.specular = near(frame, at.pixel, direct_specular, mean.specular);
+                light.hold(at.pixel, &mut mean);
             }
         }
     }
-    let smoothed = mean.with(fresh);
+    let smoothed = mean.with(light.at(own));
     let filtered = Filtered::new(
         PackedGuide::new(&texel, &surface, frame.camera.forward),
         luminance(smoothed.diffuse),
@@ -73,21 +71,47 @@ pub fn denoise_temporal(
     (smoothed, filtered)
 }
 
-/// `mean`, as far as the 5 x 5 pixels of `light` around `pixel` bear it out.
-fn near(frame: &FrameConstants, pixel: UVec2, light: &[Vec3], mean: Vec3) -> Vec3 {
-    let (mut sum, mut squares, mut count) = (0.0, 0.0, 0.0);
-    let mut i = 0;
-    while i < 25 {
-        let at = pixel.as_ivec2() + IVec2::new(i % 5 - 2, i / 5 - 2);
-        if at.cmpge(IVec2::ZERO).all() && at.cmplt(frame.size.as_ivec2()).all() {
-            let here = luminance(light[frame.pixel_index(at.as_uvec2()) as usize]);
-            sum += here;
-            squares += here * here;
-            count += 1.0;
+/// Light of this frame that reaches the eye over what it sees, once or more often reflected.
+#[derive(Clone, Copy)]
+struct Light<'a> {
+    frame: &'a FrameConstants,
+    bounced: bool,
+    direct_diffuse: &'a [Vec3],
+    direct_specular: &'a [Vec3],
+    indirect_diffuse: &'a [Vec3],
+    indirect_specular: &'a [Vec3],
+}
+
+impl Light<'_> {
+    /// Of pixel number `i`.
+    fn at(self, i: usize) -> Parts {
+        let mut parts = Parts { diffuse: self.direct_diffuse[i], specular: self.direct_specular[i] };
+        if self.bounced {
+            parts += Parts { diffuse: self.indirect_diffuse[i], specular: self.indirect_specular[i] };
         }
-        i += 1;
+        parts
     }
-    let middle = sum / count;
-    let spread = DEVIATIONS * (squares / count - middle * middle).max(0.0).sqrt();
-    clamped(mean, middle - spread, middle + spread)
+
+    /// Leaves of `mean` what the 5 x 5 pixels around `pixel` bear out.
+    fn hold(self, pixel: UVec2, mean: &mut Smoothed) {
+        let (mut sum, mut squares, mut count) = (Vec2::ZERO, Vec2::ZERO, 0.0);
+        let mut i = 0;
+        while i < 25 {
+            let at = pixel.as_ivec2() + IVec2::new(i % 5 - 2, i / 5 - 2);
+            if at.cmpge(IVec2::ZERO).all() && at.cmplt(self.frame.size.as_ivec2()).all() {
+                let Parts { diffuse, specular } = self.at(self.frame.pixel_index(at.as_uvec2()) as usize);
+                let here = Vec2::new(luminance(diffuse), luminance(specular));
+                sum += here;
+                squares += here * here;
+                count += 1.0;
+            }
+            i += 1;
+        }
+        let middle = sum / count;
+        let variance = (squares / count - middle * middle).max(Vec2::ZERO);
+        let spread = DEVIATIONS * Vec2::new(variance.x.sqrt(), variance.y.sqrt());
+        let (low, high) = (middle - spread, middle + spread);
+        mean.diffuse = clamped(mean.diffuse, low.x, high.x);
+        mean.specular = clamped(mean.specular, low.y, high.y);
+    }
 }
