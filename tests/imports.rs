@@ -153,7 +153,7 @@ fn among(tree: &BTreeSet<String>, names: &[&str]) -> Vec<String> {
 #[test]
 fn the_library_has_no_window_and_no_command_line() {
     let library = tree(&["candela"]);
-    assert!(library.contains("ash") && library.contains("shared"), "{library:?}");
+    assert!(library.contains("ash") && library.contains("candela-shared"), "{library:?}");
     assert_eq!(among(&library, &[WINDOWS.as_slice(), &PROGRAMS].concat()), Vec::<String>::new());
     assert_eq!(
         among(&tree(&["candela-lab"]), &[WINDOWS.as_slice(), &PROGRAMS].concat()),

@@ -4,17 +4,17 @@
 //! [`Source`] is: what arrives at a receiver from a sample? A program answers it for its own samples and has all of ReSTIR;
 //! docs/adding-a-light.md adds a kind to the shaders as well. Every mean below is that of the integral over all tubes.
 
-use shared::glam::{UVec2, Vec3};
-use shared::light::Incident;
-use shared::material::Reflectance;
-use shared::math::luminance;
-use shared::resampling::pairwise::Pairwise;
-use shared::resampling::{CrossProposal, Source, target_of};
-use shared::reservoir::{Reservoir, Stored};
-use shared::rng::{Rng, Stream};
-use shared::shading::contribution;
-use shared::surface::Surface;
-use shared::target::{target_function, unshadowed};
+use candela_shared::glam::{UVec2, Vec3};
+use candela_shared::light::Incident;
+use candela_shared::material::Reflectance;
+use candela_shared::math::luminance;
+use candela_shared::resampling::pairwise::Pairwise;
+use candela_shared::resampling::{CrossProposal, Source, target_of};
+use candela_shared::reservoir::{Reservoir, Stored};
+use candela_shared::rng::{Rng, Stream};
+use candela_shared::shading::contribution;
+use candela_shared::surface::Surface;
+use candela_shared::target::{target_function, unshadowed};
 
 const RUNS: u32 = 20_000;
 

@@ -4,18 +4,18 @@
 //! estimate has the mean of the sum over all lights for every M, and less spread the greater M is. Then two points beside each other
 //! keep one sample each, and the first merges both by pairwise MIS (Wyman et al. 2023): the same mean from twice the candidates.
 
-use shared::glam::{UVec2, Vec2, Vec3};
-use shared::light::{Light, LightSample, LightTable, Lights, build_alias_table};
-use shared::material::Reflectance;
-use shared::math::luminance;
-use shared::resampling::initial::{Fresh, Techniques, candidate};
-use shared::resampling::pairwise::Pairwise;
-use shared::resampling::{CrossProposal, target_of};
-use shared::reservoir::StoredReservoir;
-use shared::rng::{Rng, Stream};
-use shared::shading::contribution;
-use shared::surface::Surface;
-use shared::target::unshadowed;
+use candela_shared::glam::{UVec2, Vec2, Vec3};
+use candela_shared::light::{Light, LightSample, LightTable, Lights, build_alias_table};
+use candela_shared::material::Reflectance;
+use candela_shared::math::luminance;
+use candela_shared::resampling::initial::{Fresh, Techniques, candidate};
+use candela_shared::resampling::pairwise::Pairwise;
+use candela_shared::resampling::{CrossProposal, target_of};
+use candela_shared::reservoir::StoredReservoir;
+use candela_shared::rng::{Rng, Stream};
+use candela_shared::shading::contribution;
+use candela_shared::surface::Surface;
+use candela_shared::target::unshadowed;
 
 const RUNS: u32 = 20_000;
 

@@ -67,6 +67,7 @@ pub struct Bounds {
 }
 
 impl Bounds {
+    /// One pixel more.
     pub fn add(&mut self, light: Vec3) {
         self.sum += light;
         self.squares += light * light;

@@ -51,6 +51,7 @@ pub struct PathSample {
 pub struct PathKey(u32);
 
 impl PathKey {
+    /// Of 32 random bits.
     pub fn new(random: u32) -> Self {
         PathKey(random >> (32 - KEY))
     }
@@ -79,6 +80,7 @@ impl PathPoint {
         PathPoint { instance: hit.instance() + 1, primitive: hit.primitive, place }
     }
 
+    /// Did the path meet nothing?
     pub fn is_none(&self) -> bool {
         self.instance == 0
     }
@@ -89,6 +91,7 @@ impl PathPoint {
         ScenePoint::new(self.instance - 1, self.primitive, barycentrics)
     }
 
+    /// What its rays ask blended surfaces with.
     pub fn key(&self) -> PathKey {
         let UVec2 { x: low, y: high } = self.place;
         PathKey(low >> KEY | ((high & !REFLECTED) >> KEY) << 11)
@@ -109,10 +112,12 @@ impl PathPoint {
 }
 
 impl PathSample {
+    /// x2.
     pub fn point(&self) -> PathPoint {
         self.point
     }
 
+    /// What its rays ask blended surfaces with.
     pub fn key(&self) -> PathKey {
         self.point.key()
     }
@@ -184,8 +189,11 @@ impl Reflector {
 /// Everything that tells what paths bring.
 #[derive(Clone, Copy)]
 pub struct Bounced<'a, T: Texels> {
+    /// Lights at x2 and beyond.
     pub table: LightTable<'a>,
+    /// Where x2 lies.
     pub scene: Scene<'a>,
+    /// Of its materials.
     pub textures: T,
 }
 

@@ -5,6 +5,16 @@ use bytemuck::{Pod, Zeroable};
 use glam::{UVec2, Vec2, Vec3};
 
 /// A camera for an image of fixed size. 48 bytes.
+///
+/// ```
+/// use candela_shared::camera::Camera;
+/// use candela_shared::glam::{UVec2, Vec2, Vec3};
+///
+/// let size = UVec2::new(640, 360);
+/// let camera = Camera::new(Vec3::ZERO, -Vec3::Z, Vec3::Y, 1.0, size);
+/// let direction = camera.direction(Vec2::new(500.0, 100.0), size);
+/// assert!((camera.project(7.0 * direction, size) - Vec2::new(500.0, 100.0)).length() < 1e-3);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct Camera {

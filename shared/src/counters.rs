@@ -5,6 +5,7 @@
 pub struct Counters<'a>(&'a mut [u32]);
 
 impl<'a> Counters<'a> {
+    /// Over `words`, whatever they hold.
     pub fn new(words: &'a mut [u32]) -> Self {
         Counters(words)
     }

@@ -145,6 +145,7 @@ impl Settings {
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct FrameConstants {
+    /// Sees the frame.
     pub camera: Camera,
     /// The camera of the previous frame; equal to `camera` in the first.
     pub previous_camera: Camera,
@@ -154,6 +155,7 @@ pub struct FrameConstants {
     pub index: u32,
     /// Seed of the run.
     pub seed: u32,
+    /// Knobs, as shaders read them.
     pub settings: Settings,
     /// Factor from cd/m² to display values.
     pub exposure: f32,
@@ -170,6 +172,7 @@ pub struct FrameConstants {
 }
 
 impl FrameConstants {
+    /// Of the picture.
     pub fn pixels(&self) -> u32 {
         self.size.x * self.size.y
     }

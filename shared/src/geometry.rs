@@ -12,17 +12,23 @@ pub struct InstanceGeometry {
     pub axis_x: Vec3,
     /// First of this primitive's indices in the index buffer.
     pub first_index: u32,
+    /// Second column.
     pub axis_y: Vec3,
     /// Added to each index.
     pub first_vertex: u32,
+    /// Third column.
     pub axis_z: Vec3,
+    /// Index of its [`crate::material::Material`].
     pub material: u32,
+    /// Last column, m.
     pub translation: Vec3,
     /// -1 for a transform that mirrors, else 1: turns a triangle's winding back.
     pub handedness: f32,
     /// Columns of the inverse transpose, up to a positive factor: they turn normals.
     pub normal_x: Vec3,
+    /// Second column.
     pub normal_y: Vec3,
+    /// Third column.
     pub normal_z: Vec3,
     /// Index of its first triangle's light, or [`crate::motion::NO_LIGHT`] if rays that hit it find none.
     pub first_light: u32,
@@ -56,6 +62,7 @@ fn unpack_tangent(bits: u32) -> (Vec3, f32) {
 pub struct Triangle {
     /// Object space, m.
     pub positions: [Vec3; 3],
+    /// Normals, tangents, uvs and colors of the corners.
     pub attributes: [VertexAttributes; 3],
 }
 
@@ -70,7 +77,9 @@ pub struct SurfacePoint {
     pub normal: Vec3,
     /// Unit tangent and its handedness.
     pub tangent: Vec3,
+    /// ±1: which way the bitangent points.
     pub tangent_sign: f32,
+    /// Interpolated, of set 0.
     pub uv: Vec2,
     /// Linear RGB of the vertex colors.
     pub color: Vec3,
@@ -166,6 +175,7 @@ pub fn edge_bulge(edge: Vec3, normals: Vec3) -> f32 {
 }
 
 impl Triangle {
+    /// Of the corners, set 0.
     pub fn uvs(&self) -> [Vec2; 3] {
         [self.attributes[0].uv, self.attributes[1].uv, self.attributes[2].uv]
     }

@@ -38,6 +38,7 @@ pub struct PassConstants {
     pub iteration: u32,
     /// Reference: the range of lights to add.
     pub first_light: u32,
+    /// How many from there on.
     pub light_count: u32,
     /// Paths: how often light is reflected before it reaches what the pixel sees, at most; [`UNBOUNDED`] for no end.
     pub bounces: u32,
@@ -45,6 +46,7 @@ pub struct PassConstants {
     pub paths: u32,
     /// View: one of [`crate::view::kind`], and the measure of distances, m.
     pub view: u32,
+    /// Of distances, m.
     pub scale: f32,
     /// Frames in the running mean, this one included; 0: there is none.
     pub count: u32,
@@ -57,13 +59,17 @@ pub const UNBOUNDED: u32 = u32::MAX;
 
 /// Miss shaders in the order of the shader binding table.
 pub mod miss {
+    /// A primary ray.
     pub const PRIMARY: u32 = 0;
+    /// A shadow ray.
     pub const SHADOW: u32 = 1;
 }
 
 /// Hit groups of passes with two kinds of rays, in the order of the shader binding table; other passes have one.
 pub mod hit_group {
+    /// Any hit ends the ray.
     pub const SHADOW: u32 = 0;
+    /// The nearest hit counts.
     pub const NEAREST: u32 = 1;
 }
 

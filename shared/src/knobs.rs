@@ -1,8 +1,9 @@
-//! Every knob of the estimator, a row each: [`crate::frame::Settings`], the settings document, the command line, the viewer's panel, the
-//! columns of a sweep and the table in docs/command-line.md follow from it. docs/adding-a-knob.md has an example.
+//! Every knob of the estimator, one row each. [`crate::frame::Settings`], the settings document, the command line,
+//! the viewer's panel, the columns of a sweep and the table in docs/command-line.md follow from it.
+//! docs/adding-a-knob.md has an example.
 
-/// Gives `$with!` the rows, in the order in which they are shown everywhere and stored for shaders, and after them those in `$host`: knobs of the host, which no
-/// shader reads.
+/// Gives `$with!` the rows, in the order in which they are shown everywhere and stored for shaders, and after them
+/// those in `$host`: knobs of the host, which no shader reads.
 ///
 /// A row: `name -> field: kind = default`, then
 /// - `label`: a few words for the viewer's panel,
@@ -23,7 +24,7 @@
 macro_rules! knobs {
     ($with:ident { $($host:tt)* }) => { $with! { {
         candidates -> candidates: count(1..=1024, Doubled) = 32,
-            label "Light samples", about "Light candidates of each reservoir, which keeps one of them; half as many from `cells`",
+            label "Light samples", about "Light candidates of each reservoir; half as many with `cells`",
             higher "less noise; time grows with it", lower "faster, noisier", bias "none";
         bsdf_candidates -> bsdf_candidates: count(0..=4, One) = 1,
             label "BSDF samples",
@@ -49,11 +50,11 @@ macro_rules! knobs {
             higher "samples come from further away; time grows with it", lower "faster",
             bias "biased mode: grows with it; unbiased: none";
         neighbors -> neighbors: count(1..=32, One) = 4,
-            label "Neighbors", about "Neighbors of each spatial pass; acts without `pairs` and in biased mode",
+            label "Neighbors", about "Neighbors of each spatial pass, without `pairs` or in biased mode",
             higher "less noise; time grows with it", lower "faster", bias "biased mode: grows with it; unbiased: none";
         radius -> radius: number(4.0..=200.0, 5.0) = 8.0,
             label "Radius",
-            about "Radius of the neighborhood; side of the squares in which pairs are found, a power of two from there on", unit "pixels",
+            about "Radius of the neighborhood; with `pairs` the side of the squares that partners share, rounded up to a power of two", unit "pixels",
             higher "neighbors repeat less, but are less alike", lower "neighbors more alike, blotches smaller and stronger",
             bias "biased mode: grows with it; unbiased: none";
         depth_threshold -> depth_threshold: number(0.02..=1.0, 0.02) = 0.1,
@@ -67,21 +68,21 @@ macro_rules! knobs {
             bias "biased mode: grows with it; unbiased: none";
         // 20 as in Bitterli et al. 2020.
         confidence_cap -> confidence_cap: number(1.0..=100.0, 5.0) = 20.0,
-            label "Confidence cap", about "The most that the reservoir of another point weighs: a neighbor's, or that of a history whose point or camera has moved",
+            label "Confidence cap", about "Weight limit of reservoirs from another point: a neighbor, or a history whose point or camera has moved",
             unit "times the light candidates",
             higher "smoother, slower to follow changes", lower "follows changes at once, noisier",
             bias "none in the mean; errors of neighboring frames are alike";
         history_cap -> history_cap: number(1.0..=1000.0, 20.0) = 320.0,
-            label "History cap", about "The most that the history of the same point weighs while camera and scene rest; acts in unbiased mode",
+            label "History cap", about "Weight limit of the history of the same point while camera and scene are at rest; unbiased mode only",
             unit "times the light candidates",
-            higher "a still picture gets better for longer; what noise is left stands still", lower "noisier, noise changes with each frame",
+            higher "a still picture converges for longer; its remaining noise stands still", lower "noisier; noise changes with each frame",
             bias "none in the mean; errors of neighboring frames are alike";
         reservoirs -> reservoirs: count(1..=4, One) = 1,
             label "Reservoirs", about "Independent reservoirs of each pixel, averaged by shading",
             higher "less noise; time and memory grow with it", lower "faster", bias "none";
         pixel_centers -> pixel_centers: switch() = false,
-            label "Pixel centers", about "Shade what lies behind the centers of pixels, also while the camera moves",
-            higher "points jump with each movement: noise of a moving picture", lower "points of surfaces last: a moving picture is as good as a still one",
+            label "Pixel centers", about "Shade the points behind pixel centers, also while the camera moves",
+            higher "points jump with each movement: more noise in motion", lower "points follow surfaces: in motion nearly as good as at rest",
             bias "none";
         mode -> mode: choice(Mode, $crate::frame::mode::UNBIASED) = Unbiased,
             label "Mode", about "How reused reservoirs are weighted",
@@ -94,19 +95,19 @@ macro_rules! knobs {
             bias "none; neighboring pixels share candidates";
         // One light is drawn every time anyway; of thousands that all see a pixel, pools hold too few (docs/performance.md).
         cells -> cells: auto(2..=u32::MAX, 4096, 10.0) = Auto,
-            label "Light cells", about "Draw light candidates from what cells of the world have learned to see; `tiles` act without them",
+            label "Light cells", about "Draw light candidates by the visibility that world-space cells have learned; `tiles` act without them",
             higher "far less noise where many lights are hidden or far away", lower "candidates by power alone",
             bias "none";
         learning -> learning: switch() = true,
             label "Learning", about "Cells learn which lights they see",
-            higher "far less noise where lights are hidden", lower "candidates from a light tree, the better known baseline",
+            higher "far less noise where lights are hidden", lower "candidates from a light tree alone",
             bias "none";
         pairs -> pairs: switch() = true,
-            label "Pairs", about "Merge pairs of pixels that chose each other, not `neighbors`; acts in unbiased mode",
+            label "Pairs", about "Merge pixels in mutual pairs instead of `neighbors`; unbiased mode only",
             higher "one ray a pixel and pass", lower "several neighbors, two rays", bias "none";
         indirect -> indirect: choice(Indirect, $crate::frame::indirect::OFF) = Off,
-            label "Indirect light", about "Light that is reflected on its way to what a pixel sees, by paths that are resampled as lights are",
-            higher "what no light reaches is lit by what is; three rays a pixel and more", lower "direct light alone",
-            bias "in both modes: none of what is asked for";
+            label "Indirect light", about "Light after one or more reflections, by resampled paths",
+            higher "lights what no light reaches directly; three rays a pixel and more", lower "direct light alone",
+            bias "none in the bounces that are asked for, in both modes";
     } { $($host)* } } };
 }

@@ -31,6 +31,7 @@
 //! [`reservoir`], [`motion`], [`points`], [`resampling`], [`shading`], [`passes`], [`tonemap`], [`view`], [`statistics`],
 //! [`stored_ray`], [`resources`], [`interface`].
 #![cfg_attr(target_arch = "spirv", no_std)]
+#![cfg_attr(not(target_arch = "spirv"), deny(missing_docs))]
 #![cfg_attr(target_arch = "spirv", feature(asm_experimental_arch))]
 
 pub mod alias_table;

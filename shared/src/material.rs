@@ -26,11 +26,15 @@ pub mod flag {
 
 /// Textures of a material, as indices into [`Material::textures`] and [`Material::uv_maps`].
 pub mod slot {
+    /// Base color and alpha.
     pub const BASE_COLOR: usize = 0;
     /// Metallic-roughness or specular-glossiness.
     pub const REFLECTANCE: usize = 1;
+    /// Tangent-space normals.
     pub const NORMAL: usize = 2;
+    /// Factor on the emission.
     pub const EMISSIVE: usize = 3;
+    /// How many there are.
     pub const COUNT: usize = 4;
 }
 
@@ -39,7 +43,9 @@ pub mod slot {
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct UvMap {
+    /// Row of u'.
     pub u: Vec3,
+    /// Row of v'.
     pub v: Vec3,
     /// 0 or 1
     pub set: u32,
@@ -52,6 +58,7 @@ impl Default for UvMap {
 }
 
 impl UvMap {
+    /// The uv of the texture for that of the vertex.
     pub fn apply(&self, uv: Vec2) -> Vec2 {
         Vec2::new(self.u.dot(uv.extend(1.0)), self.v.dot(uv.extend(1.0)))
     }
@@ -137,10 +144,13 @@ impl Reflectance {
 /// Values of a material's textures at one point; white where it has none. Linear, 0..=1.
 #[derive(Clone, Copy, Debug)]
 pub struct MaterialTexels {
+    /// Factor on the base color.
     pub base_color: Vec3,
     /// Green: roughness, blue: metallic. Or RGB: specular, alpha: glossiness.
     pub reflectance: Vec4,
+    /// Tangent space, from 0 to 1.
     pub normal: Vec3,
+    /// Factor on the emission.
     pub emission: Vec3,
 }
 
@@ -152,6 +162,7 @@ impl Default for MaterialTexels {
 }
 
 impl Material {
+    /// Is `flag`, one of [`flag`], set?
     pub fn has(&self, flag: u32) -> bool {
         self.flags & flag != 0
     }

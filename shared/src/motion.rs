@@ -18,12 +18,15 @@ pub const NO_LIGHT: u32 = u32::MAX;
 pub struct InstanceMotion {
     /// Columns of D, the linear part minus the identity.
     pub axis_x: Vec3,
+    /// Second column.
     pub axis_y: Vec3,
+    /// Third column.
     pub axis_z: Vec3,
     /// c: the instance's origin now, world space, m.
     pub pivot: Vec3,
     /// d: from there to its origin in the previous frame, m.
     pub shift: Vec3,
+    /// 0
     pub padding: u32,
 }
 
@@ -66,6 +69,7 @@ impl InstanceMotion {
 /// The lights of the previous frame, and how its indices and this frame's belong together.
 #[derive(Clone, Copy)]
 pub struct PastLights<'a> {
+    /// As the previous frame had them.
     pub lights: Lights<'a>,
     /// This frame's index of each light of the previous frame, or [`NO_LIGHT`]. Lights beyond its end kept theirs.
     pub previous_to_current: &'a [u32],

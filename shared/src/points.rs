@@ -37,10 +37,12 @@ pub struct ScenePoint {
 }
 
 impl ScenePoint {
+    /// Of a hit.
     pub fn new(instance: u32, primitive: u32, barycentrics: Vec2) -> Self {
         ScenePoint { instance: instance + 1, primitive, barycentrics }
     }
 
+    /// Is there no point?
     pub fn is_none(&self) -> bool {
         self.instance == 0
     }
@@ -65,8 +67,11 @@ impl From<HitPayload> for ScenePoint {
 /// Where the scene's triangles lie.
 #[derive(Clone, Copy)]
 pub struct Triangles<'a> {
+    /// By index, see [`InstanceGeometry`].
     pub instances: &'a [InstanceGeometry],
+    /// Object space, m.
     pub positions: &'a [Vec3],
+    /// Three a triangle.
     pub indices: &'a [u32],
 }
 
@@ -106,6 +111,7 @@ pub struct Shown {
 }
 
 impl Shown {
+    /// The pixel that it lies in.
     pub fn pixel(&self, size: UVec2) -> UVec2 {
         self.at.as_uvec2().min(size - 1)
     }

@@ -36,6 +36,7 @@ impl Reflected for Vec3 {
 pub struct Parts {
     /// Of a diffuse lobe of albedo 1: demodulated, so it is finite where the albedo is 0.
     pub diffuse: Vec3,
+    /// As reflected.
     pub specular: Vec3,
 }
 

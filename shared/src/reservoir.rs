@@ -6,6 +6,18 @@ use crate::math::safe_ratio;
 use bytemuck::{Pod, Zeroable};
 
 /// A reservoir while it is being filled, in registers (Bitterli et al. 2020, Alg. 2).
+///
+/// ```
+/// use candela_shared::reservoir::Reservoir;
+///
+/// // Two candidates with p̂ = 2 and 6, both drawn with p = 1/2: w = p̂/p.
+/// let mut reservoir = Reservoir::default();
+/// reservoir.add("dim", 2.0, 4.0, 1.0, 0.5);
+/// reservoir.add("bright", 6.0, 12.0, 1.0, 0.5);
+/// let stored = reservoir.finish(reservoir.confidence);
+/// // u = 0.5 is below 12/16. W = (4 + 12) / (2 * 6).
+/// assert_eq!((stored.sample, stored.contribution_weight), ("bright", 16.0 / 12.0));
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Reservoir<S = LightSample> {
     /// The survivor y.
@@ -22,6 +34,7 @@ pub struct Reservoir<S = LightSample> {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Zeroable)]
 #[repr(C)]
 pub struct Stored<S> {
+    /// y, the survivor.
     pub sample: S,
     /// W, an unbiased estimate of 1/p(y); 0: no light found. Always finite.
     pub contribution_weight: f32,

@@ -147,16 +147,20 @@ macro_rules! declare {
         pub enum Resource { $($buffer),* }
 
         impl Resource {
+            /// In the order of the table.
             pub const ALL: &'static [Resource] = &[$(Resource::$buffer),*];
 
+            /// As in the table.
             pub const fn name(self) -> &'static str {
                 match self { $(Resource::$buffer => stringify!($buffer)),* }
             }
 
+            /// How many there are: frames take turns.
             pub const fn copies(self) -> usize {
                 match self { $(Resource::$buffer => $copies),* }
             }
 
+            /// How many elements it has.
             pub const fn extent(self) -> Extent {
                 match self { $(Resource::$buffer => Extent::$extent),* }
             }
@@ -178,16 +182,20 @@ macro_rules! declare {
         pub enum Binding { $($($name),*),* }
 
         impl Binding {
+            /// In the order of the table.
             pub const ALL: &'static [Binding] = &[$($(Binding::$name),*),*];
 
+            /// As passes call it.
             pub const fn name(self) -> &'static str {
                 match self { $($(Binding::$name => stringify!($name)),*),* }
             }
 
+            /// The buffer that it is a copy of.
             pub const fn resource(self) -> Resource {
                 match self { $($(Binding::$name => Resource::$buffer),*),* }
             }
 
+            /// Its descriptor set.
             pub const fn set(self) -> u32 {
                 match self { $($(Binding::$name => $set),*),* }
             }

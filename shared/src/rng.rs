@@ -7,12 +7,17 @@ use glam::{UVec2, UVec4};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u32)]
 pub enum Stream {
+    /// Candidates.
     Initial = 1,
+    /// Temporal reuse.
     Temporal = 2,
+    /// Spatial reuse.
     Spatial = 3,
+    /// Points of lights in the reference.
     Reference = 4,
     /// Stochastic alpha of blended surfaces: of primary rays, and in `Shade` of final shadow rays.
     Primary = 5,
+    /// See above.
     Shade = 6,
     /// Entries of light tiles, and which block takes which tile.
     Tiles = 7,
@@ -31,6 +36,15 @@ pub enum Stream {
 }
 
 /// Random numbers of one pixel in one pass.
+///
+/// ```
+/// use candela_shared::glam::UVec2;
+/// use candela_shared::rng::{Rng, Stream};
+///
+/// let numbers = |frame| Rng::new(UVec2::new(3, 4), frame, 0, Stream::Initial, 0).next_u32x4();
+/// assert_eq!(numbers(7), numbers(7));
+/// assert_ne!(numbers(7), numbers(8));
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Rng {
     key: UVec4,

@@ -14,13 +14,21 @@ use glam::{Vec2, Vec3};
 /// Scene buffers that tell what a ray met.
 #[derive(Clone, Copy)]
 pub struct Scene<'a> {
+    /// [`crate::frame::features`]
     pub features: u32,
+    /// By index; geometry of a primitive each.
     pub instances: &'a [InstanceGeometry],
+    /// Of vertices, object space, m.
     pub positions: &'a [Vec3],
+    /// Of vertices.
     pub attributes: &'a [VertexAttributes],
+    /// Three a triangle.
     pub indices: &'a [u32],
+    /// By index.
     pub materials: &'a [Material],
+    /// Of vertices, where the scene has uvs of set 1.
     pub second_uvs: &'a [Vec2],
+    /// Texels of the map, rows from the top.
     pub environment: &'a [EnvironmentTexel],
 }
 
@@ -115,6 +123,7 @@ impl Scene<'_> {
 /// What a ray met.
 #[derive(Clone, Copy, Debug)]
 pub struct Met {
+    /// With its material.
     pub seen: PrimaryHit,
     /// Largest number that its position was computed from, m (see [`crate::math::offset_ray_origin`]).
     pub magnitude: f32,

@@ -14,6 +14,7 @@ use glam::Vec3;
 pub struct Contribution<L = Vec3> {
     /// f Le G W, nit, linear RGB.
     pub radiance: L,
+    /// To the light.
     pub ray: ShadowRay,
 }
 
@@ -55,6 +56,7 @@ pub struct Average<L = Vec3> {
 }
 
 impl<L: Reflected> Average<L> {
+    /// One reservoir more; dark where its light is hidden.
     pub fn add(&mut self, shaded: Contribution<L>, visible: bool) {
         self.count += 1.0;
         if visible {

@@ -8,7 +8,9 @@ use glam::Vec3;
 /// A segment to test, from `origin` to `origin + direction` (so t runs from 0 to 1). World space, m.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ShadowRay {
+    /// Where it starts.
     pub origin: Vec3,
+    /// From there to its end.
     pub direction: Vec3,
 }
 

@@ -11,6 +11,7 @@ pub const BLOCK: u32 = 16;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct BlockSums {
+    /// How many.
     pub pixels: f32,
     /// Σ (L - L_ref)² of the luminances, nit².
     pub squared_difference: f32,

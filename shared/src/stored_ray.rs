@@ -8,15 +8,18 @@ use glam::Vec3;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct StoredRay {
+    /// Where it starts.
     pub origin: Vec3,
     /// Of [`crate::alpha`].
     pub key: u32,
+    /// To its end, or unit.
     pub direction: Vec3,
     /// 1: there is a ray.
     pub traced: u32,
 }
 
 impl StoredRay {
+    /// A ray that was traced.
     pub fn new(origin: Vec3, direction: Vec3, key: u32) -> Self {
         StoredRay { origin, key, direction, traced: 1 }
     }

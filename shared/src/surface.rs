@@ -26,6 +26,7 @@ pub struct Surface {
     pub geometric_normal: Vec3,
     /// Unit shading normal.
     pub normal: Vec3,
+    /// How it reflects.
     pub reflectance: Reflectance,
 }
 
@@ -126,6 +127,7 @@ impl GBufferTexel {
         self.instance & INSTANCE
     }
 
+    /// Does the pixel see no surface?
     pub fn is_empty(&self) -> bool {
         self.distance == 0
     }
@@ -190,8 +192,11 @@ impl GBufferTexel {
 /// What a ray met, with all that was looked up for it.
 #[derive(Clone, Copy, Debug)]
 pub struct PrimaryHit {
+    /// Where.
     pub point: SurfacePoint,
+    /// Of what.
     pub material: Material,
+    /// Read there.
     pub texels: MaterialTexels,
     /// How far off the triangle the curved surface that it stands for lies, in front, m; 0 where nobody asks.
     pub bulge: f32,

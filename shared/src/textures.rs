@@ -15,6 +15,7 @@ pub trait Texels: Copy {
     fn sample(self, texture: u32, uv: Vec2, lod: f32) -> Vec4;
 }
 
+/// The triangle with corners a, b, c.
 pub fn triangle(positions: &[Vec3], attributes: &[VertexAttributes], [a, b, c]: [usize; 3]) -> Triangle {
     Triangle {
         positions: [positions[a], positions[b], positions[c]],
@@ -53,8 +54,11 @@ impl UvSets {
 /// A place on a triangle whose textures are read.
 #[derive(Clone, Copy)]
 pub struct Place {
+    /// Of its corners.
     pub uvs: UvSets,
+    /// Weights of the second and third corner.
     pub barycentrics: Vec2,
+    /// [`crate::frame::features`]
     pub features: u32,
 }
 

@@ -16,18 +16,31 @@ pub mod kind {
     pub const RADIANCE: u32 = 0;
     /// The running mean, tone mapped.
     pub const MEAN: u32 = 1;
+    /// Distance to the camera, in shades of the scale.
     pub const DISTANCE: u32 = 2;
+    /// Shading normals.
     pub const NORMAL: u32 = 3;
+    /// Normals of triangles.
     pub const GEOMETRIC_NORMAL: u32 = 4;
+    /// Albedo of the diffuse lobe.
     pub const DIFFUSE: u32 = 5;
+    /// Reflectance at normal incidence.
     pub const F0: u32 = 6;
+    /// Roughness.
     pub const ROUGHNESS: u32 = 7;
+    /// A color for each instance.
     pub const INSTANCE: u32 = 8;
+    /// A color for each light that a reservoir holds.
     pub const LIGHT: u32 = 9;
+    /// W of the first reservoir.
     pub const CONTRIBUTION_WEIGHT: u32 = 10;
+    /// M of the first reservoir.
     pub const CONFIDENCE: u32 = 11;
+    /// Does the survivor's light arrive?
     pub const VISIBILITY: u32 = 12;
+    /// Features of the material.
     pub const FEATURES: u32 = 13;
+    /// Difference from the reference.
     pub const DIFFERENCE: u32 = 14;
     /// The light cell that the pixel asked in this frame.
     pub const CELL: u32 = 15;
@@ -37,11 +50,14 @@ pub mod kind {
 
 /// Colors of [`kind::VISIBILITY`]: the pixel's light reaches it, is hidden, or there is none.
 pub const VISIBLE: Vec3 = Vec3::new(0.95, 0.9, 0.7);
+/// The light is hidden.
 pub const HIDDEN: Vec3 = Vec3::new(0.75, 0.1, 0.1);
+/// There is no light.
 pub const NO_SAMPLE: Vec3 = Vec3::new(0.1, 0.1, 0.2);
 
 /// Powers of two that the heat of W and of M covers.
 pub const WEIGHT_RANGE: [f32; 2] = [-20.0, 20.0];
+/// Of M.
 pub const CONFIDENCE_RANGE: [f32; 2] = [0.0, 16.0];
 /// The relative difference that has the full color.
 pub const LARGEST_DIFFERENCE: f32 = 0.5;
@@ -49,6 +65,7 @@ pub const LARGEST_DIFFERENCE: f32 = 0.5;
 /// What is known of a pixel.
 #[derive(Clone, Copy)]
 pub struct Pixel {
+    /// What it sees.
     pub texel: GBufferTexel,
     /// The first of its reservoirs.
     pub reservoir: StoredReservoir,
@@ -56,10 +73,13 @@ pub struct Pixel {
     pub unshadowed: Vec3,
     /// The place of its light cell; and the fraction of its light that this believes to arrive. 0 without cells.
     pub cell: u32,
+    /// That fraction.
     pub believed: f32,
     /// Of the frame, nit; the mean over frames; and of the reference.
     pub radiance: Vec3,
+    /// Over frames, nit.
     pub mean: Vec3,
+    /// nit
     pub reference: Vec3,
 }
 

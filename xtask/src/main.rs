@@ -96,6 +96,6 @@ fn demo() -> Result<()> {
 }
 
 fn candela(args: &[&str]) -> Result<()> {
-    let run = ["run", "--release", "-p", "candela", "--"];
+    let run = ["run", "--release", "-p", "candela-cli", "--"];
     command::run(command::cargo().args(run).args(args))
 }

@@ -19,6 +19,7 @@ const INDEX_BITS: u32 = 24;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct ListEntry {
+    /// Its index in the light buffer.
     pub light: u32,
     /// The most that it gave a pixel, p̂; it fades.
     pub weight: f32,

@@ -15,13 +15,17 @@ use crate::rng::Rng;
 /// What a cell's lights are drawn from.
 #[derive(Clone, Copy)]
 pub struct Sources<'a> {
+    /// All lights, by power.
     pub table: LightTable<'a>,
+    /// The light tree, which the cell walks.
     pub tree: LightTree<'a>,
     /// Of all cells.
     pub lists: &'a [ListEntry],
+    /// What the cell believes of the nodes of the tree.
     pub beliefs: Beliefs<'a>,
     /// Which cell.
     pub place: u32,
+    /// Its content.
     pub cell: Cell,
     /// Samples of its pool.
     pub pool: u32,

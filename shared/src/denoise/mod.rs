@@ -47,10 +47,12 @@ impl Filtered {
         }
     }
 
+    /// Does the pixel see nothing that reflects?
     pub fn is_empty(&self) -> bool {
         self.surface.w == 0
     }
 
+    /// What tells whether surfaces go on.
     pub fn guide(&self) -> PackedGuide {
         PackedGuide { normal: self.surface.z, plane: self.surface.y & 0xffff, depth: self.surface.w }
     }
@@ -65,6 +67,7 @@ impl Filtered {
         f32::from_bits(self.surface.y & 0xffff_0000)
     }
 
+    /// The same with another [`Filtered::deviation`], nit.
     pub fn with_deviation(mut self, deviation: f32) -> Self {
         self.surface.y = self.surface.y & 0xffff | deviation.to_bits() & 0xffff_0000;
         self

@@ -31,6 +31,7 @@ pub struct Smoothed {
     pub diffuse_frames: f32,
     /// nit
     pub specular: Vec3,
+    /// How many frames it is the mean of.
     pub specular_frames: f32,
 }
 

@@ -7,6 +7,7 @@ use std::ops::RangeInclusive;
 /// So many lights.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LightCount {
+    /// All.
     pub number: u32,
     /// Those that are somewhere, in the light tree.
     pub placed: u32,
@@ -15,6 +16,7 @@ pub struct LightCount {
 }
 
 impl LightCount {
+    /// Of a scene.
     pub fn of(lights: &[Light]) -> Self {
         let bounds = lights.iter().filter_map(Light::bound);
         let (mut low, mut high, mut placed) = (Vec3::INFINITY, Vec3::NEG_INFINITY, 0u32);
@@ -41,12 +43,14 @@ impl From<u32> for LightCount {
 /// With which lights a knob is on by itself.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Condition {
+    /// How many there are.
     pub number: RangeInclusive<u32>,
     /// From so many on, only where at most that many lie on a m².
     pub sparse: Option<(u32, f32)>,
 }
 
 impl Condition {
+    /// Is the knob on with `lights`?
     pub fn holds(&self, lights: LightCount) -> bool {
         let sparse = self.sparse.is_none_or(|(from, most)| lights.number < from || lights.per_m2 <= most);
         self.number.contains(&lights.number) && sparse

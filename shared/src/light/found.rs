@@ -10,15 +10,20 @@ use glam::{UVec2, Vec3};
 /// What of a scene leads to its lights.
 #[derive(Clone, Copy)]
 pub struct Emitters<'a> {
+    /// Which triangles are lights.
     pub instances: &'a [InstanceGeometry],
+    /// Which texels are.
     pub environment: &'a [EnvironmentTexel],
+    /// Texels; 0 without an environment.
     pub environment_size: UVec2,
+    /// Index of the first lit texel's light.
     pub first_environment_light: u32,
     /// [`features`]
     pub features: u32,
 }
 
 impl<'a> Emitters<'a> {
+    /// Of the frame's scene.
     pub fn new(
         frame: &FrameConstants,
         features: u32,

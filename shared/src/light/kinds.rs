@@ -36,6 +36,7 @@ pub struct KindFacts {
     pub kind: u32,
     /// What one such light is called, and several.
     pub name: &'static str,
+    /// What several are called.
     pub lights: &'static str,
     /// See [`Kind::HAS_EXTENT`].
     pub has_extent: bool,
@@ -58,7 +59,12 @@ macro_rules! kinds {
         /// `Light::kind`: their order in the list.
         pub mod kind {
             use super::Order;
-            $($(#[$when])* pub const $NAME: u32 = Order::$NAME as u32;)*
+            $(
+                $(#[$when])*
+                #[doc = concat!("Of `", stringify!($view), "`.")]
+                pub const $NAME: u32 = Order::$NAME as u32;
+            )*
+            #[doc = concat!("Of `", stringify!($last), "`.")]
             pub const $LAST: u32 = Order::$LAST as u32;
             /// How many there are.
             pub const COUNT: u32 = $LAST + 1;

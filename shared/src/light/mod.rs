@@ -49,6 +49,17 @@ pub const DOUBLE_SIDED: u32 = 1;
 pub const UNTRACEABLE: u32 = 2;
 
 /// One light: numbers that its kind's view names. 64 bytes, as in memory.
+///
+/// ```
+/// use candela_shared::glam::{Vec2, Vec3};
+/// use candela_shared::light::Light;
+///
+/// // 100 cd, 2 m above the receiver: 25 lx, from 4π 100 lm.
+/// let light = Light::point(Vec3::new(0.0, 2.0, 0.0), Vec3::splat(100.0));
+/// let incident = light.sample_li(Vec2::ZERO, Vec3::ZERO);
+/// assert!((incident.irradiance - Vec3::splat(25.0)).length() < 1e-4);
+/// assert!((light.power() - 4.0 * std::f32::consts::PI * 100.0).abs() < 0.1);
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct Light {
@@ -56,11 +67,13 @@ pub struct Light {
     pub position: Vec3,
     /// One of [`kind`].
     pub kind: u32,
+    /// One edge of a surface, m; other kinds have their own use for it.
     pub edge1: Vec3,
     /// [`DOUBLE_SIDED`] and [`UNTRACEABLE`].
     pub flags: u32,
     /// Of light from infinity: x is the radius of the scene's bounding sphere, m.
     pub edge2: Vec3,
+    /// Of a surface, m².
     pub area: f32,
     /// Intensity, cd, of a point; radiance, nit, of a surface or of a part of the sky; illuminance, lx, of parallel light.
     /// Linear RGB.
@@ -103,6 +116,7 @@ impl Place {
 
 /// A kind of light: a named view of the 64 bytes of a [`Light`], and what is asked of it.
 pub trait Kind: Listed + Copy {
+    /// Where its points lie.
     const SHAPE: Shape;
     /// Are there several points to sample?
     const HAS_EXTENT: bool = false;

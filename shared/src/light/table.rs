@@ -35,19 +35,33 @@ impl LightSample {
 /// The lights of a scene.
 #[derive(Clone, Copy)]
 pub struct Lights<'a> {
+    /// By index.
     pub lights: &'a [Light],
     /// [`crate::frame::features`]: kinds of light that it does not name are not there, and cost nothing.
     pub features: u32,
 }
 
 /// The lights and the table that draws them in proportion to their power.
+///
+/// ```
+/// use candela_shared::glam::Vec3;
+/// use candela_shared::light::{Light, LightTable, Lights, build_alias_table};
+///
+/// let lights = [1.0, 3.0].map(|cd| Light::point(Vec3::Y, Vec3::splat(cd)));
+/// let alias = build_alias_table(&lights);
+/// let table = LightTable { lights: Lights::untextured(&lights), alias: &alias };
+/// assert!((table.pmf(1).0 - 0.75).abs() < 1e-6);
+/// ```
 #[derive(Clone, Copy)]
 pub struct LightTable<'a> {
+    /// The lights.
     pub lights: Lights<'a>,
+    /// One column a light.
     pub alias: &'a [AliasEntry],
 }
 
 impl<'a> Lights<'a> {
+    /// How many there are.
     pub fn count(self) -> u32 {
         self.lights.len() as u32
     }

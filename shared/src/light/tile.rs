@@ -53,6 +53,7 @@ pub struct TileEntry {
 /// All tiles of a frame, one after another.
 #[derive(Clone, Copy)]
 pub struct Tiles<'a> {
+    /// What is drawn from.
     pub entries: &'a [TileEntry],
     /// `LightSample::uv` of each entry: read for the survivor only.
     pub points: &'a [u32],
@@ -102,10 +103,12 @@ impl TileEntry {
         ((self.blue_kind >> 24) + 1) as f32 * (1.0 / 256.0)
     }
 
+    /// Its index in the light buffer.
     pub fn light(&self) -> u32 {
         self.light
     }
 
+    /// Density that the sample was drawn with.
     pub fn source_pdf(&self) -> SourcePdf {
         SourcePdf(self.source_pdf)
     }

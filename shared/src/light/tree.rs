@@ -232,6 +232,7 @@ impl LightTree<'_> {
 pub struct Bound {
     /// World space, m.
     pub min: Vec3,
+    /// World space, m.
     pub max: Vec3,
     /// Unit, the middle of its directions.
     pub axis: Vec3,
@@ -253,12 +254,16 @@ mod host {
     /// A tree, owned.
     #[derive(Clone, Debug, Default, PartialEq)]
     pub struct Tree {
+        /// Parents before their children.
         pub nodes: Vec<TreeNode>,
+        /// Lights in the order of the leaves.
         pub lights: Vec<u32>,
+        /// The leaf of each light.
         pub leaves: Vec<u32>,
     }
 
     impl Tree {
+        /// As passes read it.
         pub fn view(&self) -> LightTree<'_> {
             LightTree {
                 nodes: &self.nodes,

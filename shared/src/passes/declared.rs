@@ -10,6 +10,7 @@ use glam::Vec3;
 /// How a pass runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
+    /// A compute shader.
     Compute,
     /// A ray generation shader.
     RayTracing(Rays),
@@ -20,7 +21,9 @@ pub enum Stage {
 /// Which hit and miss shaders a ray-tracing pass needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rays {
+    /// Rays from the camera.
     Primary,
+    /// Shadow rays.
     Shadow,
     /// Shadow rays, and BSDF rays where the scene has lights that rays can find.
     Both,
@@ -28,14 +31,19 @@ pub enum Rays {
     Bounces,
 }
 
+/// What a pass does with a buffer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Access {
+    /// It reads.
     Read,
+    /// It writes what it did not read.
     Write,
+    /// It reads and writes.
     ReadWrite,
 }
 
 impl Access {
+    /// Does the pass write it?
     pub fn writes(self) -> bool {
         self != Access::Read
     }
@@ -98,6 +106,7 @@ macro_rules! declare {
         pub enum Pass { $($($stem),*),* }
 
         impl Pass {
+            /// In the order of the table.
             pub const ALL: &'static [Pass] = &[$($(Pass::$stem),*),*];
 
             /// Names the shader file, the entry point, the debug label, the timestamp and the column of reports.
@@ -105,10 +114,12 @@ macro_rules! declare {
                 match self { $($(Pass::$stem => stringify!($stem)),*),* }
             }
 
+            /// The body that it runs.
             pub const fn body(self) -> Body {
                 match self { $($(Pass::$stem => Body::$body),*),* }
             }
 
+            /// How it runs.
             pub const fn stage(self) -> Stage {
                 match self { $($(Pass::$stem => stage!($stage $($rays)*)),*),* }
             }
@@ -134,11 +145,15 @@ crate::passes!(declare);
 /// What a body of the estimator gives.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Output {
+    /// Of passes that fill or merge reservoirs.
     Reservoir(StoredReservoir),
+    /// Of `pair_targets`.
     Targets(PairTargets),
+    /// nit
     Radiance(Vec3),
     /// Diffuse under an albedo of 1, specular.
     Parts(Vec3, Vec3),
+    /// 1: the ray met something.
     Hit(u32),
 }
 

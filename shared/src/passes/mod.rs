@@ -108,7 +108,9 @@ pub mod variant {
 /// One thread of a pass, and what is the same for all of them.
 #[derive(Clone, Copy)]
 pub struct At<'a> {
+    /// Constants of the frame.
     pub frame: &'a FrameConstants,
+    /// Of this pass.
     pub constants: PassConstants,
     /// [`crate::frame::features`] of the scene.
     pub features: u32,
@@ -121,6 +123,7 @@ pub struct At<'a> {
 }
 
 impl<'a> At<'a> {
+    /// Thread `id` of a launch.
     pub fn new(
         frame: &'a FrameConstants,
         constants: PassConstants,
@@ -143,6 +146,7 @@ impl<'a> At<'a> {
         At { frame, constants, features, variant, pixel, lane: id.z }
     }
 
+    /// Does the pass run as `variant`, one of [`variant`]?
     pub fn is(&self, variant: u32) -> bool {
         self.variant & variant != 0
     }
@@ -170,6 +174,7 @@ impl<'a> At<'a> {
         self.lane_rng(stream, self.repetition())
     }
 
+    /// Random numbers of this pixel, for any `lane`.
     pub fn lane_rng(&self, stream: Stream, lane: u32) -> Rng {
         Rng::new(self.pixel, self.frame.index, self.frame.seed, stream, lane)
     }
@@ -184,14 +189,17 @@ impl<'a> At<'a> {
         texel.unpack(self.features, &self.frame.camera, self.pixel, self.frame.size)
     }
 
+    /// What this pixel sees.
     pub fn texel(&self, gbuffer: &[GBufferTexel]) -> GBufferTexel {
         gbuffer[self.frame.pixel_index(self.pixel) as usize]
     }
 
+    /// With the features of the scene.
     pub fn lights<'b>(&self, lights: &'b [Light]) -> Lights<'b> {
         Lights { lights, features: self.features }
     }
 
+    /// With the number of its lights.
     pub fn light_tree<'b>(
         &self,
         nodes: &'b [TreeNode],
@@ -221,6 +229,7 @@ impl<'a> At<'a> {
         Sources { table, tree, lists, beliefs, place, cell: cells[place as usize], pool }
     }
 
+    /// With the features of the scene.
     pub fn light_table<'b>(&self, lights: &'b [Light], alias: &'b [AliasEntry]) -> LightTable<'b> {
         LightTable { lights: self.lights(lights), alias }
     }

@@ -9,6 +9,7 @@ use crate::reservoir::StoredReservoir;
 use crate::resources::Extent;
 use crate::rng::{Stream, unit_f32};
 
+/// The pixel's reservoir, merged with its partner's.
 pub fn pair_merge(
     at: At<'_>,
     _: impl Visibility,

@@ -24,6 +24,7 @@ pub struct PairTargets {
     pub index: u32,
 }
 
+/// The targets of the pixel's own and its partner's sample.
 pub fn pair_targets(
     at: At<'_>,
     mut rays: impl Visibility,

@@ -13,6 +13,7 @@ use crate::reservoir::StoredReservoir;
 use crate::rng::Stream;
 use crate::surface::GBufferTexel;
 
+/// The pixel's reservoir, merged with those of neighbors.
 #[allow(clippy::too_many_arguments)]
 pub fn spatial<V: Visibility>(
     at: At<'_>,

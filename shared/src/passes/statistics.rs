@@ -4,6 +4,7 @@ use super::At;
 use crate::statistics::{BLOCK, BlockSums};
 use glam::{UVec2, Vec3};
 
+/// Of the block at `at.pixel`.
 pub fn statistics(at: At<'_>, radiance: &[Vec3], mean: &[Vec3], reference: &[Vec3]) -> BlockSums {
     let size = at.frame.size;
     let first = at.pixel * BLOCK;

@@ -113,6 +113,7 @@ pub fn temporal<V: Visibility>(
 /// The pixel of the previous frame that saw what this one sees.
 #[derive(Clone, Copy, Debug)]
 pub struct History {
+    /// In the previous frame.
     pub pixel: UVec2,
     /// 1: it is the very point, which has lasted. (rust-gpu takes no bool in an Option.)
     pub lasts: u32,

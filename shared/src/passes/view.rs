@@ -13,6 +13,7 @@ use crate::tonemap::pack_rgba8;
 use crate::view::{Pixel, color, features_color, kind};
 use glam::Vec3;
 
+/// RGBA8, red lowest.
 #[allow(clippy::too_many_arguments)]
 pub fn view(
     at: At<'_>,

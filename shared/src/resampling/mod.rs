@@ -21,7 +21,9 @@ use pairwise::{CrossTargets, Weighed};
 /// reservoir `lane - 1`.
 #[derive(Clone, Copy)]
 pub struct Pixels<'a> {
+    /// What pixels see.
     pub gbuffer: &'a [GBufferTexel],
+    /// Their reservoirs.
     pub reservoirs: &'a [StoredReservoir],
 }
 
@@ -38,16 +40,20 @@ fn is_similar(settings: &Settings, distance: f32, normal: Vec3, texel: &GBufferT
         && is_similar_normal(settings, normal, texel)
 }
 
+/// Is `texel` at nearly this distance (m)?
 pub fn is_similar_distance(settings: &Settings, distance: f32, texel: &GBufferTexel) -> bool {
     (texel.distance() - distance).abs() <= settings.depth_threshold * distance
 }
 
+/// Has `texel` nearly this normal (unit)?
 pub fn is_similar_normal(settings: &Settings, normal: Vec3, texel: &GBufferTexel) -> bool {
     texel.normal().dot(normal) >= settings.normal_threshold
 }
 
-/// What samples mean: light that comes from a point, as a receiver sees it.
+/// What samples mean: light that comes from a point, as a receiver sees it. The example `custom_light` implements it for a kind of
+/// light of its own.
 pub trait Source: Copy {
+    /// What a reservoir keeps.
     type Sample: Copy + Default + PartialEq;
 
     /// `sample` as seen from `receiver` (world space, m), unshadowed; dark for a sample of nothing.
@@ -74,8 +80,11 @@ pub fn target_of<S: Source>(surface: &Surface, source: S, reservoir: Stored<S::S
 /// sample.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct CrossProposal<S = LightSample> {
+    /// The other pixel's, to be merged.
     pub neighbor: Stored<S>,
+    /// But for the answer of the ray.
     pub targets: CrossTargets,
+    /// From the other pixel to the canonical sample.
     pub ray: ShadowRay,
     /// 1: both pixels see the same point, and what one sees, the other does. (rust-gpu takes no bool in an Option.)
     pub same_point: u32,
@@ -119,7 +128,9 @@ impl<S: Copy + Default + PartialEq> CrossProposal<S> {
 /// A finished reservoir, and the ray of visibility reuse that may still empty it.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Survivor<S = LightSample> {
+    /// Finished.
     pub reservoir: Stored<S>,
+    /// To its sample.
     pub ray: ShadowRay,
     /// An earlier ray has shown the sample to be visible.
     pub seen: bool,
@@ -165,6 +176,7 @@ impl UniformMerge {
         Weighed { mis_weight: 0.0, weight: reservoir.merged_weight(target), survives }
     }
 
+    /// The merged reservoir.
     pub fn finish(self) -> StoredReservoir {
         self.0.finish(self.0.confidence)
     }

@@ -88,6 +88,7 @@ impl<S: Copy + Default + PartialEq> Pairwise<S> {
         Weighed { mis_weight, weight, survives }
     }
 
+    /// The reservoir that others are merged into.
     pub fn canonical(&self) -> Stored<S> {
         self.canonical
     }

@@ -18,6 +18,7 @@ pub struct Before {
 /// Where the previous frame saw a point.
 #[derive(Clone, Copy, Debug)]
 pub struct Place {
+    /// Of the previous frame.
     pub pixel: UVec2,
     /// To the previous camera, m.
     pub distance: f32,

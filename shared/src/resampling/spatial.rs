@@ -101,6 +101,7 @@ impl OneRayMerge {
 /// What became of a neighbor.
 #[derive(Clone, Copy, Debug)]
 pub struct Added {
+    /// How it was weighed.
     pub weighed: Weighed,
     /// What the canonical weight gains if this neighbor does not see the canonical sample.
     pub pending: f32,

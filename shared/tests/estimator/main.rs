@@ -4,6 +4,8 @@
 //! it, [`knowledge`] what its cells know, [`plant`] the errors that can be planted in it, [`statistics`] the test that decides. Then the tests: [`matrix`] (every kind
 //! of light under every kind of reuse), [`controls`] (each planted error is seen), [`hard_cases`] and [`long_runs`].
 
+extern crate candela_shared as shared;
+
 mod controls;
 mod hard_cases;
 mod knowledge;

@@ -3,6 +3,8 @@
 //!
 //! A test compares means of independent paths: |t| < 4.5 is exceeded by chance in 7e-6 of all choices of seeds, which are fixed.
 
+extern crate candela_shared as shared;
+
 mod frames;
 mod resampled;
 mod truth;

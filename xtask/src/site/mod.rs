@@ -21,7 +21,7 @@ const MDBOOK: &str = "0.5.4";
 /// A chapter that the site alone has.
 const API: &str = "# The API's documentation\n
 - [`candela`](api/candela/index.html): scenes, Vulkan, frames
-- [`shared`](api/shared/index.html): the estimator\n";
+- [`candela_shared`](api/candela_shared/index.html): the estimator\n";
 
 pub fn run() -> Result<()> {
     let mdbook = install()?;
@@ -110,7 +110,7 @@ fn is_text(path: &Path) -> bool {
 /// Rustdoc's pages of the library and the estimator.
 fn document(to: &Path) -> Result<()> {
     let mut doc = command::cargo();
-    doc.args(["doc", "--locked", "--no-deps", "-p", "candela", "-p", "shared", "--lib"]);
+    doc.args(["doc", "--locked", "--no-deps", "-p", "candela", "-p", "candela-shared", "--lib"]);
     command::run(&mut doc)?;
     copy_folder(&command::target_dir().join("doc"), to)
 }

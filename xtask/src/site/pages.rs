@@ -26,7 +26,7 @@ pub fn chapters(summary: &str) -> Vec<PathBuf> {
 
 /// The target of `path`, from the project's root.
 pub fn target(root: &Path, chapters: &[PathBuf], path: &Path) -> Target {
-    let documented = [("shared/src", "shared"), ("runner/src", "candela")];
+    let documented = [("shared/src", "candela_shared"), ("runner/src", "candela")];
     let view = documented.iter().find_map(|(folder, name)| {
         let file = path.strip_prefix(folder).ok().filter(|_| root.join(path).is_file())?;
         Some(Path::new("api/src").join(name).join(format!("{}.html", file.display())))

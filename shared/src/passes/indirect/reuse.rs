@@ -18,6 +18,7 @@ use crate::surface::{GBufferTexel, Surface};
 use crate::target::target_function;
 use crate::textures::Texels;
 
+/// Merges a pixel's path with that of its history.
 #[allow(clippy::too_many_arguments)]
 pub fn temporal<V: Visibility, T: Texels>(
     at: At<'_>,
@@ -89,6 +90,7 @@ fn at_same_point(
     CrossProposal { neighbor: history, targets, same_point: 1, ..CrossProposal::default() }
 }
 
+/// What each pixel makes of its partner's path.
 pub fn pair_targets<T: Texels>(
     at: At<'_>,
     mut rays: impl Visibility,

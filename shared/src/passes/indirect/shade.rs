@@ -9,6 +9,7 @@ use crate::surface::GBufferTexel;
 use crate::textures::Texels;
 use glam::Vec3;
 
+/// Radiance with what the paths bring, nit.
 pub fn whole<T: Texels>(
     at: At<'_>,
     _: impl Visibility,
@@ -21,6 +22,7 @@ pub fn whole<T: Texels>(
     radiance + lit::<Vec3, T>(at, note, source, gbuffer, paths)
 }
 
+/// What the paths bring, in parts: diffuse under an albedo of 1, specular, nit.
 pub fn parts<T: Texels>(
     at: At<'_>,
     _: impl Visibility,
