@@ -85,8 +85,8 @@ fn demo() -> Result<()> {
     setup::run(&setup::Options::default())?;
     let out = command::root().join("out");
     std::fs::create_dir_all(&out).with_context(|| format!("can't create {}", out.display()))?;
-    // Small, since rays of processors are slow.
-    let picture = ["--size", "960x540", "--frames", "32"];
+    // Small and through pixels' centers, which are drawn: rays of processors are slow.
+    let picture = ["--size", "960x540", "--frames", "32", "--pixel-centers"];
     candela(&[&["render", "--denoise"], &picture[..], &["-o", "out/atrium.png"]].concat())?;
     println!(
         "{} shows the atrium, lit by 500 lights: 32 frames, denoised.",
