@@ -1,26 +1,18 @@
 //! Antialiased frames on the device, against pictures of many times their pixels.
 
-use candela::frame::renderer::{FrameOptions, Renderer};
+use candela::frame::renderer::FrameOptions;
 use candela::frame::schedule::{Primary, Work};
 use glam::{UVec2, Vec2, Vec3};
 use shared::antialias::{filter, place_in_a_mean};
 use shared::camera::Camera;
 use shared::frame::Settings;
 use shared::math::{CENTER, luminance};
-use tests::gpu::{assert_no_validation_messages, device, options, reference, renderer};
+use tests::gpu::{assert_no_validation_messages, device, options, reference, render, renderer};
 use tests::scenes::{camera, kinds, many_lights, occluded};
 
 const SIZE: UVec2 = UVec2::new(64, 40);
 /// Pixels of the fine picture in one of the coarse one, each way.
 const FINE: u32 = 8;
-
-fn render(renderer: &mut Renderer, cameras: &[Camera], options: &FrameOptions) -> Vec<Vec3> {
-    renderer.restart();
-    for &camera in cameras {
-        renderer.render(camera, options).expect("the frame renders");
-    }
-    renderer.radiance().expect("the picture is read back")
-}
 
 fn settings() -> Settings {
     Settings::default().for_a_mean()

@@ -9,18 +9,10 @@ use shared::camera::Camera;
 use shared::frame::{Settings, indirect};
 use shared::math::luminance;
 use shared::resources::Resource;
-use tests::gpu::{assert_no_validation_messages, device, options, renderer};
+use tests::gpu::{assert_no_validation_messages, device, options, render, renderer};
 use tests::scenes::{camera, kinds, many_lights, occluded};
 
 const SIZE: UVec2 = UVec2::new(64, 40);
-
-fn render(renderer: &mut Renderer, cameras: &[Camera], options: &FrameOptions) -> Vec<Vec3> {
-    renderer.restart();
-    for &camera in cameras {
-        renderer.render(camera, options).expect("the frame renders");
-    }
-    renderer.radiance().expect("the picture is read back")
-}
 
 fn settings() -> Settings {
     Settings::default().for_a_mean()

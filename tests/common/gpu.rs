@@ -70,6 +70,15 @@ pub fn options(work: Work, seed: u32) -> FrameOptions {
     FrameOptions::new(work, Primary::default(), seed)
 }
 
+/// Radiance of the last frame of those that `cameras` see one after the other, from a fresh history.
+pub fn render(renderer: &mut Renderer, cameras: &[Camera], options: &FrameOptions) -> Vec<Vec3> {
+    renderer.restart();
+    for &camera in cameras {
+        renderer.render(camera, options).expect("the frame renders");
+    }
+    renderer.radiance().expect("the picture is read back")
+}
+
 /// Few candidates near by, so that means over runs settle soon; reuse twice in space and in time.
 pub fn small(mode: u32) -> Settings {
     Settings { candidates: 8, radius: 8.0, spatial_iterations: 2, mode, ..Settings::default() }
