@@ -28,12 +28,13 @@ macro_rules! passes {
 shared::passes!(passes);
 
 /// (name, TOML) of the plans that `candela sweep` knows.
-pub const PLANS: [(&str, &str); 7] = [
+pub const PLANS: [(&str, &str); 8] = [
     ("bench", include_str!("plans/bench.toml")),
     ("thesis", include_str!("plans/thesis.toml")),
     ("lights", include_str!("plans/lights.toml")),
     ("modes", include_str!("plans/modes.toml")),
     ("indirect", include_str!("plans/indirect.toml")),
     ("town", include_str!("plans/town.toml")),
+    ("motion", include_str!("plans/motion.toml")),
     ("smoke", include_str!("plans/smoke.toml")),
 ];

@@ -2,12 +2,15 @@
 
 use crate::error::{Error, Result};
 use crate::files;
+use exr::image::read::image::ReadLayers;
+use exr::image::read::layers::ReadChannels;
 use exr::image::write::WritableImage;
 use exr::image::{AnyChannel, AnyChannels, Encoding, FlatSamples, Layer};
 use exr::meta::header::LayerAttributes;
 use glam::{UVec2, Vec3};
 use image::{ImageFormat, ImageReader, Rgb, Rgb32FImage, RgbaImage};
 use shared::tonemap;
+use std::collections::BTreeMap;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
@@ -120,6 +123,36 @@ pub fn encode_channels(size: UVec2, channels: Vec<Channel>) -> Result<Vec<u8>> {
     let written = exr::image::Image::from_layer(layer).write().non_parallel().to_buffered(&mut encoded);
     written.map_err(not_encoded)?;
     Ok(encoded.into_inner())
+}
+
+/// The channels of an EXR file, by name.
+pub struct Layers {
+    /// Pixels.
+    pub size: UVec2,
+    /// One value a pixel, rows from the top.
+    channels: BTreeMap<String, Vec<f32>>,
+}
+
+impl Layers {
+    /// Three channels as vectors; none if one of them is missing.
+    pub fn colors(&self, names: [&str; 3]) -> Option<Vec<Vec3>> {
+        let [r, g, b] = names.map(|name| self.channels.get(name));
+        let (r, g, b) = (r?, g?, b?);
+        Some(r.iter().zip(g).zip(b).map(|((r, g), b)| Vec3::new(*r, *g, *b)).collect())
+    }
+}
+
+/// Reads the channels of an EXR file, those of layers too.
+pub fn read_layers(path: &Path) -> Result<Layers> {
+    let bytes = files::read(path)?;
+    let read = exr::image::read::read().no_deep_data().largest_resolution_level().all_channels();
+    let read = read.first_valid_layer().all_attributes().non_parallel();
+    let layer = read.from_buffered(Cursor::new(bytes)).map_err(Error::input(path))?.layer_data;
+    let size = UVec2::new(layer.size.0 as u32, layer.size.1 as u32);
+    let channels = layer.channel_data.list.into_iter();
+    let values = |samples: FlatSamples| samples.values_as_f32().collect();
+    let channels = channels.map(|c| (c.name.to_string(), values(c.sample_data))).collect();
+    Ok(Layers { size, channels })
 }
 
 /// Reads an EXR file back: size and radiance.

@@ -1,6 +1,6 @@
 //! `cargo xtask test`: all that must hold before a change is merged, the quick checks first.
 
-use crate::{command, setup};
+use crate::{command, setup, stills};
 use anyhow::{Context, Result};
 use std::time::Instant;
 
@@ -16,6 +16,7 @@ pub fn run() -> Result<()> {
     for (name, args) in CHECKS {
         timed(name, || command::run(command::cargo().args(args)))?;
     }
+    timed("stills", stills::test)?;
     println!("All checks passed ({:.1} s)", start.elapsed().as_secs_f32());
     Ok(())
 }

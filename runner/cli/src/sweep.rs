@@ -19,7 +19,7 @@ const WRITE_EVERY: Duration = Duration::from_secs(20);
 
 #[derive(Args, Clone, Debug)]
 pub struct SweepArgs {
-    /// A .toml file, or a built-in plan: thesis, lights, modes, town, indirect, bench (times alone), smoke.
+    /// A .toml file, or a built-in plan: thesis, lights, modes, town, indirect, motion, bench (times alone), smoke.
     pub plan: PathBuf,
     /// Folder of the results: points.json, points.csv, report.html.
     #[arg(short, long, value_name = "DIR")]

@@ -210,6 +210,54 @@ fn a_bench_is_times_alone() {
     assert_eq!(std::fs::read_dir(folder.0.join("cache")).unwrap().count(), 0);
 }
 
+/// Points that last against points behind pixel centers, denoised or not, while a camera goes round a knot by some pixels a picture.
+/// The seeds are fixed; SMAPE in motion was 0.145, 0.188 of pixel centers, 0.130 denoised; of colors 0.32, and 0.13 denoised.
+#[test]
+fn films_are_judged_picture_by_picture() {
+    let folder = Folder(std::env::temp_dir().join(format!("candela-film-{}", std::process::id())));
+    let plan =
+        TINY.replace("SWITCH", "").replace("[24, 16]", "[40, 24]").replace("lights = [5]", "lights = [30]");
+    let (head, _) = plan.split_once("[[series]]").unwrap();
+    let plan = format!(
+        "{head}cameras = ['orbit', 'front > strafe']\n[motion]\nfps = 6\nrest = 12\nmoving = 18\nafter = 4\nfilm = 6\n\
+         [[series]]\nname = 's'\n[[series.arm]]\nname = 'lasting'\n[[series.arm]]\nname = 'centers'\n\
+         settings = {{ pixel_centers = true }}\n[[series.arm]]\nname = 'denoised'\ndenoise = true\n"
+    );
+    let Some((_, points)) = swept(&folder.0, &plan) else { return };
+    let table = Table::parse(&std::fs::read_to_string(folder.0.join("pictures.csv")).unwrap());
+    let numbers = |camera: &str, label: &str| -> Vec<i32> {
+        let rows = table
+            .rows
+            .iter()
+            .filter(|r| table.text(r, "camera") == camera && table.text(r, "label") == label);
+        rows.map(|r| table.number(r, "picture") as i32).collect()
+    };
+    assert_eq!(numbers("orbit", "lasting"), [-1, 0, 1, 8, 9, 16, 17, 18, 19, 20, 21]);
+    assert_eq!(numbers("front > strafe", "centers"), [-1, 0, 1, 2, 3]);
+    let moving = |label: &str, column: &str| {
+        let of = |r: &&Vec<String>| {
+            ["orbit", label, "moving"] == ["camera", "label", "phase"].map(|name| table.text(r, name))
+        };
+        let values: Vec<f64> = table.rows.iter().filter(of).map(|r| table.number(r, column)).collect();
+        values.iter().sum::<f64>() / values.len() as f64
+    };
+    let [lasting, centers, denoised] = ["lasting", "centers", "denoised"].map(|label| moving(label, "smape"));
+    assert!(centers > 1.2 * lasting && denoised < lasting, "{lasting} {centers} {denoised}");
+    assert!(moving("denoised", "chroma") < 0.5 * moving("lasting", "chroma"));
+    assert!((0.001..0.5).contains(&moving("lasting", "new_points")));
+    let energy = moving("lasting", "energy_ratio");
+    assert!((energy - 1.0).abs() < 0.1, "{energy}");
+    let film = |row: usize| &points["rows"][row]["measured"]["film"];
+    let jod = |row: usize| film(row)["jod"].as_f64().unwrap();
+    assert!(jod(1) < jod(0) && jod(0) < 10.0, "{} {}", jod(0), jod(1));
+    let kept = |row: usize| film(row)["correlation"][1].as_f64().unwrap();
+    assert!(kept(0) > kept(1), "noise stays with points that last: {} {}", kept(0), kept(1));
+    let html = std::fs::read_to_string(folder.0.join("report.html")).unwrap();
+    assert!(
+        html.contains("SMAPE of pictures") && html.contains("picture 17, SMAPE") && !html.contains("NaN")
+    );
+}
+
 /// A scene that does not exist and a camera that does not exist: the third point is measured all the same.
 #[test]
 fn a_failing_point_does_not_end_a_sweep() {

@@ -75,6 +75,11 @@ impl History {
         self.paths != indirect::OFF
     }
 
+    /// Did the last frame find its points where those of the frame before it fell?
+    pub fn points_last(&self) -> bool {
+        self.points == Points::Lasting
+    }
+
     /// Device memory of the picture-sized buffers, bytes.
     pub fn bytes(&self) -> u64 {
         self.targets.bytes()

@@ -6,6 +6,7 @@ pub mod values;
 pub use knobs::{KnobArgs, choice};
 
 use super::compare::CompareArgs;
+use super::denoise::DenoiseArgs;
 use super::explain::ExplainArgs;
 use super::export::ExportArgs;
 use super::info::InfoArgs;
@@ -48,6 +49,8 @@ pub enum Command {
     Info(InfoArgs),
     /// Compare a picture with the truth: error measures and heat maps.
     Compare(CompareArgs),
+    /// Denoise a still picture with Intel Open Image Denoise.
+    Denoise(DenoiseArgs),
     /// Measure times and errors over scenes, lights and settings, and write a report.
     Sweep(SweepArgs),
     /// Measure the least time that a frame's rays and bytes take on this device.

@@ -1,6 +1,6 @@
 //! How far a picture is from the truth.
 //!
-//! All but FLIP are over luminance Y = 0.2126 R + 0.7152 G + 0.0722 B of linear radiance in nit: of the picture x, of the
+//! All but chroma and FLIP are over luminance Y = 0.2126 R + 0.7152 G + 0.0722 B of linear radiance in nit: of the picture x, of the
 //! reference y, over n pixels, with the reference's mean μ = Σy/n and ε = 10⁻³ μ², δ = 10⁻² μ, so that no number depends on
 //! the unit or the exposure. Pixels where either picture is not finite are left out and counted.
 
@@ -29,6 +29,10 @@ pub struct Metrics {
     /// Σ|x - y| / Σy: mean absolute error over the reference's mean. Bitterli et al. 2020 report an R-MAE without defining it; this
     /// is what statistics calls so.
     pub r_mae: f64,
+    /// √(Σ |X/x - Y/y|² / 3n) over the pixels that are lit in both, of colors X and Y: error of what is left of a color once its
+    /// luminance is 1.
+    #[serde(default)]
+    pub chroma: f64,
     /// Mean LDR-FLIP, 0..1 ([`flip`]), both pictures under the exposure that shows the reference well; not always computed.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub flip: Option<f64>,
@@ -51,6 +55,7 @@ pub fn metrics(picture: &[Vec3], reference: &[Vec3]) -> Metrics {
     let (epsilon, delta) = (EPSILON * mean * mean, DELTA * mean);
     let (mut x_sum, mut squares, mut relative, mut mape, mut smape, mut absolute) =
         (0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
+    let (mut lit, mut chroma) = (0.0f64, 0.0);
     for (a, b) in finite() {
         let (x, y) = (y(a), y(b));
         let d = x - y;
@@ -60,6 +65,10 @@ pub fn metrics(picture: &[Vec3], reference: &[Vec3]) -> Metrics {
         mape += ratio(d.abs(), y + delta);
         smape += ratio(2.0 * d.abs(), x + y + delta);
         absolute += d.abs();
+        if x > 0.0 && y > 0.0 {
+            lit += 1.0;
+            chroma += (a.as_dvec3() / x - b.as_dvec3() / y).length_squared() / 3.0;
+        }
     }
     let pixels = n.max(1.0);
     Metrics {
@@ -70,6 +79,7 @@ pub fn metrics(picture: &[Vec3], reference: &[Vec3]) -> Metrics {
         mape: mape / pixels,
         smape: smape / pixels,
         r_mae: ratio(absolute, total),
+        chroma: ratio(chroma, lit).sqrt(),
         flip: None,
         not_finite: picture.len() - n as usize,
     }
@@ -164,6 +174,17 @@ mod tests {
     fn luminance_weighs_the_channels() {
         let m = metrics(&[Vec3::new(2.0, 1.0, 1.0)], &[Vec3::ONE]);
         assert!((m.bias - 0.2126).abs() < 1e-6 && (m.rel_mse - 0.2126f64.powi(2) / 1.001).abs() < 1e-6);
+    }
+
+    /// By hand: red of luminance 2 beside white: (1/0.2126 - 1, -1, -1); a black pixel and one twice as bright add nothing.
+    #[test]
+    fn chroma_knows_no_luminance() {
+        let red = Vec3::new(2.0 / 0.2126, 0.0, 0.0);
+        let picture = [red, Vec3::ZERO, Vec3::splat(2.0)];
+        let off = (1.0 / 0.2126f64 - 1.0).powi(2) + 2.0;
+        let m = metrics(&picture, &[Vec3::ONE; 3]);
+        assert!((m.chroma - (off / 3.0 / 2.0).sqrt()).abs() < 1e-5, "{}", m.chroma);
+        assert_eq!(metrics(&grey(&[1.0, 3.0]), &grey(&[2.0, 1.0])).chroma, 0.0);
     }
 
     #[test]

@@ -1,9 +1,11 @@
 //! A single object, as scanned or sculpted models are: a trefoil knot of worn metal before a backdrop, about 23,000 triangles.
 
+use super::path::add_camera;
 use super::shapes::{Shape, patch, polygon};
 use crate::scene::{Instance, Material, Mesh, SceneCamera, SceneDescription};
-use glam::{Affine3A, Vec2, Vec3, Vec4};
+use glam::{Affine3A, DQuat, DVec3, Vec2, Vec3, Vec4};
 use std::f32::consts::TAU;
+use std::f64::consts::FRAC_PI_4;
 
 /// Along the knot, around its tube: 22,800 triangles.
 const STEPS: [usize; 2] = [300, 38];
@@ -31,7 +33,7 @@ pub fn knot() -> SceneDescription {
     };
     let instance = |name: &str, mesh| Instance { name: name.into(), mesh, transform: Affine3A::IDENTITY };
     let (position, target) = (Vec3::new(0.0, 2.6, 4.6), Vec3::new(0.0, 1.2, 0.0));
-    SceneDescription {
+    let mut scene = SceneDescription {
         name: "knot".into(),
         meshes: vec![mesh("knot", tube(), 0), mesh("stage", stage, 1)],
         instances: vec![instance("knot", 0), instance("stage", 1)],
@@ -44,7 +46,18 @@ pub fn knot() -> SceneDescription {
             fov_y: 45f32.to_radians(),
         }],
         ..SceneDescription::default()
-    }
+    };
+    // A quarter of the way round, at 0.8 m/s.
+    let (eye, center) = (position.as_dvec3(), target.as_dvec3());
+    add_camera(&mut scene, "orbit", 45f32.to_radians(), 9.0, |t| {
+        (DQuat::from_rotation_y(FRAC_PI_4 * (0.8 / 4.6 / FRAC_PI_4 * t).sin()) * eye, center)
+    });
+    // Past it.
+    add_camera(&mut scene, "strafe", 45f32.to_radians(), 4.0, |t| {
+        let step = (0.8 * t - 1.6) * DVec3::X;
+        (eye + step, center + 0.5 * step)
+    });
+    scene
 }
 
 /// A tube of radius 0.27 m, slightly fluted, around the trefoil.

@@ -4,6 +4,7 @@ pub mod atrium;
 mod kit;
 pub mod knot;
 mod noise;
+mod path;
 pub mod scatter;
 pub mod shapes;
 pub mod town;

@@ -1,11 +1,42 @@
-//! points.csv: one line a row of the tables, every number.
+//! Tables for other programs: points.csv, a line a row of the report's tables, and pictures.csv, a line a picture of a film.
 
 use super::passes;
+use crate::measure::statistics::Interval;
 use crate::measure::sweep::Results;
 use crate::measure::sweep::point::{Judged, Measurement};
 use candela::knobs;
 
-pub fn table(results: &Results) -> csv::Result<Vec<u8>> {
+/// A file, or why there is none.
+pub type Result = csv::Result<Vec<u8>>;
+
+/// Every picture that was judged of every film.
+pub fn pictures(results: &Results) -> Result {
+    let mut table = csv::Writer::from_writer(Vec::new());
+    let place = ["scene", "lights", "camera", "series", "label", "picture", "phase"].map(str::to_owned);
+    let errors = ["rel_mse", "smape", "chroma", "energy_ratio"];
+    let errors = errors.iter().flat_map(|name| ["", "_low", "_high"].map(|end| format!("{name}{end}")));
+    let last = ["flip", "new_points"].map(str::to_owned);
+    table.write_record(place.into_iter().chain(errors).chain(last))?;
+    for row in &results.rows {
+        let film = row.measured.as_ref().and_then(|m| m.film.as_ref());
+        for p in film.iter().flat_map(|film| &film.pictures) {
+            let lights = row.lights.to_string();
+            let mut cells =
+                [&row.scene, &lights, &row.camera, &row.series, &row.label].map(String::clone).to_vec();
+            cells.extend([p.number.to_string(), format!("{:?}", p.phase).to_lowercase()]);
+            cells.extend([p.rel_mse, p.smape, p.chroma, p.energy_ratio].into_iter().flat_map(interval));
+            cells.extend([p.flip.to_string(), p.new_points.map_or(String::new(), |share| share.to_string())]);
+            table.write_record(cells)?;
+        }
+    }
+    table.into_inner().map_err(|error| error.into_error().into())
+}
+
+fn interval(i: Interval) -> [String; 3] {
+    [i.mean, i.low, i.high].map(|x| x.to_string())
+}
+
+pub fn table(results: &Results) -> Result {
     let passes = passes(results.rows.iter());
     let mut table = csv::Writer::from_writer(Vec::new());
     table.write_record(header(&passes))?;
@@ -39,7 +70,8 @@ fn header(passes: &[String]) -> Vec<String> {
 }
 
 /// Numbers with a confidence interval, and those without.
-const INTERVALS: [&str; 7] = ["rel_mse", "rmse_nit", "r_mae", "mape", "smape", "energy_ratio", "bias_nit"];
+const INTERVALS: [&str; 8] =
+    ["rel_mse", "rmse_nit", "r_mae", "mape", "smape", "energy_ratio", "bias_nit", "chroma"];
 const REST: [&str; 7] =
     ["flip", "lasting_error", "flicker", "temporal_correlation", "not_finite", "truth_error", "truth_capped"];
 
@@ -63,9 +95,9 @@ fn numbers(m: &Measurement, passes: &[String]) -> Vec<String> {
 
 fn errors(judged: &Judged) -> Vec<String> {
     let (e, stability, truth) = (&judged.error, &judged.stability, &judged.truth);
-    let intervals = [e.rel_mse, e.rmse, e.r_mae, e.mape, e.smape, e.energy_ratio, e.bias];
-    let mut cells: Vec<String> =
-        intervals.iter().flat_map(|i| [i.mean, i.low, i.high].map(|x| x.to_string())).collect();
+    let intervals = [e.rel_mse, e.rmse, e.r_mae, e.mape, e.smape, e.energy_ratio, e.bias].map(Some);
+    let text = |i: Option<Interval>| i.map_or(Default::default(), interval);
+    let mut cells: Vec<String> = intervals.into_iter().chain([e.chroma]).flat_map(text).collect();
     let single = [e.flip, e.lasting_error, stability.flicker, stability.temporal_correlation];
     cells.extend(single.map(|x| x.to_string()));
     cells.extend([e.not_finite.to_string(), truth.error.to_string(), truth.capped.to_string()]);

@@ -1,9 +1,11 @@
 //! report.html: one file without any other, to open anywhere.
 
-use super::plot::{Line, Point, log_log};
-use super::tables::{self, COLUMNS, Table};
+use super::plot::{Line, Point, linear_log, log_log};
+use super::tables::{self, COLUMNS, FILM_COLUMNS, Table};
 use super::{Group, significant, thousands, verdict};
 use crate::measure::heatmap;
+use crate::measure::statistics::Interval;
+use crate::measure::sweep::film::JudgedPicture;
 use crate::measure::sweep::{Results, Row};
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use std::collections::HashSet;
@@ -55,12 +57,17 @@ fn section(results: &Results, group: &Group) -> Markup {
             h3 { "Does reuse pay?" }
             ul { @for sentence in &sentences { li { (sentence) } } }
         }
-        div.plots { (figures([equal_time(group), error_over_time(group)].into_iter().flatten())) }
+        div.plots { (figures([equal_time(group), error_over_time(group)].into_iter().flatten().chain(over_pictures(group)))) }
         @if let Some(table) = to_an_error { (shown("Time to an error", &table)) }
         @if let Some(table) = tables::error_after(group) { (shown("Error after a time", &table)) }
-        @for (name, rows) in group.series() { (shown(name, &tables::series(&rows))) }
+        @for (name, rows) in group.series() {
+            (shown(name, &tables::series(&rows)))
+            @if let Some(table) = tables::films(&rows) { (shown(&format!("{name}: in motion"), &table)) }
+        }
         p.note { (COLUMNS) }
+        @if results.plan.motion.is_some() { p.note { (FILM_COLUMNS) } }
         (pictures(group))
+        (strips(group))
     }
 }
 
@@ -121,6 +128,43 @@ pub fn equal_time(group: &Group) -> Option<String> {
     let lines: Vec<Line> = group.rows.iter().filter_map(line).collect();
     let title = "Accumulated frames: error over time";
     (!lines.is_empty()).then(|| log_log(title, "ms of all passes", "relMSE", &lines, false))
+}
+
+/// Films: errors over the pictures' numbers, a line an arm.
+pub fn over_pictures(group: &Group) -> Vec<String> {
+    let plot = |name: &str, value: fn(&JudgedPicture) -> Interval| {
+        let line = |row: &&Row| {
+            let film = row.measured.as_ref()?.film.as_ref()?;
+            let points = film.pictures.iter().map(|p| {
+                let i = value(p);
+                let title = format!("{}: picture {}, {name} {}", row.label, p.number, significant(i.mean));
+                Point { x: p.number.into(), y: i.mean, bar: (i.low, i.high), title, label: String::new() }
+            });
+            Some(Line { name: row.label.clone(), points: points.collect(), joined: true })
+        };
+        let lines: Vec<Line> = group.rows.iter().filter_map(line).collect();
+        let title = format!("{name} of pictures; the motion begins at 0");
+        (!lines.is_empty()).then(|| linear_log(&title, "picture", name, &lines))
+    };
+    [plot("SMAPE", |p| p.smape), plot("relMSE", |p| p.rel_mse)].into_iter().flatten().collect()
+}
+
+/// Pictures of films, one film a row.
+fn strips(group: &Group) -> Markup {
+    let films = group.rows.iter().filter_map(|row| Some((row, row.measured.as_ref()?.film.as_ref()?)));
+    html! {
+        @for (row, film) in films {
+            h3 { (row.series) ": " (row.label) ", pictures of the film" }
+            div.pictures {
+                @for p in film.pictures.iter().filter(|p| !p.picture.is_empty()) {
+                    figure {
+                        div.view { img alt="" src={ "data:image/jpeg;base64," (p.picture) }; }
+                        figcaption { "picture " (p.number) ", SMAPE " (significant(p.smape.mean)) }
+                    }
+                }
+            }
+        }
+    }
 }
 
 /// A value and the ends of its error bar.

@@ -3,7 +3,7 @@
 //! Between `<!-- results NAME.json -->` and `<!-- end -->` the page has generated tables; the text around them is written
 //! by hand.
 
-use super::tables::{self, COLUMNS, Table};
+use super::tables::{self, COLUMNS, FILM_COLUMNS, Table};
 use super::{Group, html, read, verdict};
 use crate::measure::sweep::Results;
 use candela::error::Result;
@@ -94,6 +94,9 @@ fn blocks(results: &Results, stem: &str, folder: &str) -> (String, Vec<Picture>)
         if let Some(svg) = html::equal_time(&group) {
             plot(&mut text, "Error over time", svg);
         }
+        for svg in html::over_pictures(&group) {
+            plot(&mut text, "Error over pictures", svg);
+        }
         let sentences = verdict::sentences(results, &group);
         if !sentences.is_empty() {
             text.push('\n');
@@ -112,12 +115,19 @@ fn blocks(results: &Results, stem: &str, folder: &str) -> (String, Vec<Picture>)
             let mut table = tables::series(&rows);
             table[0][0] = name.into();
             write_table(&mut text, &table);
+            if let Some(mut table) = tables::films(&rows) {
+                table[0][0] = name.into();
+                write_table(&mut text, &table);
+            }
         }
         if folded {
             text += "\n</details>\n";
         }
     }
     let _ = write!(text, "\n{COLUMNS}\n");
+    if plan.motion.is_some() {
+        let _ = write!(text, "\n{FILM_COLUMNS}\n");
+    }
     (text, pictures)
 }
 

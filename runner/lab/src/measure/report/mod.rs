@@ -1,4 +1,4 @@
-//! Results of a sweep: points.json, points.csv, report.html.
+//! Results of a sweep: points.json, points.csv, report.html; of films pictures.csv too.
 
 mod csv;
 mod html;
@@ -15,18 +15,26 @@ use candela::error::{Error, Result};
 use candela::{files, image_io};
 use std::path::Path;
 
-/// Writes the three files to `directory`.
+/// Writes the files to `directory`.
 pub fn write(directory: &Path, results: &Results) -> Result<()> {
     let mut bare = results.clone();
     for measured in bare.rows.iter_mut().filter_map(|row| row.measured.as_mut()) {
         measured.picture.clear();
         measured.reference_picture.clear();
         measured.error_map.clear();
+        let pictures = measured.film.iter_mut().flat_map(|film| &mut film.pictures);
+        pictures.for_each(|picture| picture.picture.clear());
     }
     image_io::replace(&directory.join("points.json"), &to_json(&bare)?)?;
-    let csv = directory.join("points.csv");
-    let table = csv::table(&bare).map_err(|e| Error::Internal(format!("{}: {e}", csv.display())))?;
-    image_io::replace(&csv, &table)?;
+    let write = |name: &str, table: csv::Result| {
+        let path = directory.join(name);
+        let table = table.map_err(|e| Error::Internal(format!("{}: {e}", path.display())))?;
+        image_io::replace(&path, &table)
+    };
+    write("points.csv", csv::table(&bare))?;
+    if bare.plan.motion.is_some() {
+        write("pictures.csv", csv::pictures(&bare))?;
+    }
     image_io::replace(&directory.join("report.html"), html::page(results).as_bytes())
 }
 
@@ -79,6 +87,9 @@ impl<'a> Group<'a> {
 
     /// One sentence about the truth of this group.
     fn truth(&self) -> String {
+        if self.rows.iter().any(|r| r.measured.as_ref().is_some_and(|m| m.film.is_some())) {
+            return "Truth: the sum over all lights at the points of each judged picture.".into();
+        }
         let judged = self.rows.iter().filter_map(|r| r.measured.as_ref()?.judged.as_ref());
         let part = |j: &Judged| j.truth.error / j.smallest_error();
         // Truths get better from point to point; what counts is the point that has the worst one for what it shows.

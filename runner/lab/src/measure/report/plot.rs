@@ -1,4 +1,4 @@
-//! Plots with two logarithmic axes, as SVG that stands alone or inside a page.
+//! Plots with a logarithmic axis or two, as SVG that stands alone or inside a page.
 
 use super::{significant, thousands};
 use std::fmt::Write;
@@ -34,9 +34,19 @@ const COLORS: [&str; 7] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00"
 
 /// A plot of all points with positive coordinates; `front`: the lower left border of all points is drawn too.
 pub fn log_log(title: &str, x_name: &str, y_name: &str, lines: &[Line], front: bool) -> String {
-    let all = || lines.iter().flat_map(|l| &l.points).filter(|p| p.x > 0.0 && p.y > 0.0);
-    let x = Axis::over(all().map(|p| p.x), LEFT, WIDTH - RIGHT);
-    let y = Axis::over(all().flat_map(|p| [p.y, p.bar.0.max(p.y / 3.0), p.bar.1]), HEIGHT - BOTTOM, TOP);
+    plot(title, x_name, y_name, lines, Scale::Logarithmic, front)
+}
+
+/// The same over a linear axis, which may have zero and negative values.
+pub fn linear_log(title: &str, x_name: &str, y_name: &str, lines: &[Line]) -> String {
+    plot(title, x_name, y_name, lines, Scale::Linear, false)
+}
+
+fn plot(title: &str, x_name: &str, y_name: &str, lines: &[Line], scale: Scale, front: bool) -> String {
+    let all = || lines.iter().flat_map(|l| &l.points).filter(|p| scale.has(p.x) && p.y > 0.0);
+    let x = Axis::over(scale, all().map(|p| p.x), LEFT, WIDTH - RIGHT);
+    let heights = all().flat_map(|p| [p.y, p.bar.0.max(p.y / 3.0), p.bar.1]);
+    let y = Axis::over(Scale::Logarithmic, heights, HEIGHT - BOTTOM, TOP);
     let mut svg = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {HEIGHT}\" font-family=\"system-ui, sans-serif\" \
          font-size=\"11\" role=\"img\"><rect width=\"{WIDTH}\" height=\"{HEIGHT}\" fill=\"#fff\"/>\
@@ -102,7 +112,7 @@ fn axes(svg: &mut String, x: &Axis, y: &Axis, x_name: &str, y_name: &str) {
 
 /// `labels`: left, top, right, bottom of those already written; one that would cover another is left to its title.
 fn draw(svg: &mut String, line: &Line, color: &str, x: &Axis, y: &Axis, labels: &mut Vec<[f64; 4]>) {
-    let points: Vec<&Point> = line.points.iter().filter(|p| p.x > 0.0 && p.y > 0.0).collect();
+    let points: Vec<&Point> = line.points.iter().filter(|p| x.scale.has(p.x) && p.y > 0.0).collect();
     if line.joined {
         let path: Vec<_> = points.iter().map(|p| format!("{:.1},{:.1}", x.at(p.x), y.at(p.y))).collect();
         let path = path.join(" ");
@@ -166,9 +176,38 @@ fn legend(svg: &mut String, lines: &[Line]) {
     }
 }
 
-/// A logarithmic axis.
+/// How values lie on an axis.
+#[derive(Clone, Copy, PartialEq)]
+enum Scale {
+    Linear,
+    Logarithmic,
+}
+
+impl Scale {
+    fn of(self, value: f64) -> f64 {
+        match self {
+            Scale::Linear => value,
+            Scale::Logarithmic => value.max(f64::MIN_POSITIVE).log10(),
+        }
+    }
+
+    /// Has the axis a place for it?
+    fn has(self, value: f64) -> bool {
+        value.is_finite() && (self == Scale::Linear || value > 0.0)
+    }
+
+    /// Values that the axis shows at least, on its scale.
+    fn least(self) -> f64 {
+        match self {
+            Scale::Linear => 1.0,
+            Scale::Logarithmic => 0.3,
+        }
+    }
+}
+
 struct Axis {
-    /// Logarithms to base 10 of the ends.
+    scale: Scale,
+    /// The ends, on the scale.
     low: f64,
     high: f64,
     /// Places of the ends in the picture.
@@ -177,22 +216,39 @@ struct Axis {
 }
 
 impl Axis {
-    fn over(values: impl Iterator<Item = f64>, from: f64, to: f64) -> Axis {
-        let finite = values.filter(|v| *v > 0.0 && v.is_finite());
-        let (low, high) =
-            finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v.log10()), h.max(v.log10())));
+    fn over(scale: Scale, values: impl Iterator<Item = f64>, from: f64, to: f64) -> Axis {
+        let shown = values.filter(|v| scale.has(*v)).map(|v| scale.of(v));
+        let (low, high) = shown.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
         let (low, high) = if low <= high { (low, high) } else { (0.0, 1.0) };
-        let margin = 0.06 * (high - low).max(0.3);
-        Axis { low: low - margin, high: high + margin, from, to }
+        let margin = 0.06 * (high - low).max(scale.least());
+        Axis { scale, low: low - margin, high: high + margin, from, to }
     }
 
     fn at(&self, value: f64) -> f64 {
-        let t = (value.max(f64::MIN_POSITIVE).log10() - self.low) / (self.high - self.low);
+        let t = (self.scale.of(value) - self.low) / (self.high - self.low);
         self.from + t.clamp(0.0, 1.0) * (self.to - self.from)
     }
 
-    /// (value, has it a number) of every grid line: 1..9 of each decade; numbers at 1, also at 2 and 5 of short axes.
+    /// (value, has it a number) of every grid line.
     fn ticks(&self) -> Vec<(f64, bool)> {
+        match self.scale {
+            Scale::Linear => self.even_ticks(),
+            Scale::Logarithmic => self.decades(),
+        }
+    }
+
+    /// Six of them or some more, at multiples of 1, 2 or 5.
+    fn even_ticks(&self) -> Vec<(f64, bool)> {
+        let rough = (self.high - self.low) / 6.0;
+        let decade = 10f64.powf(rough.log10().floor());
+        let step = [5.0, 2.0, 1.0].map(|digit| digit * decade).into_iter().find(|s| *s <= rough);
+        let step = step.unwrap_or(decade);
+        let range = (self.low / step).ceil() as i64..=(self.high / step).floor() as i64;
+        range.map(|k| (k as f64 * step, true)).collect()
+    }
+
+    /// 1..9 of each decade; numbers at 1, also at 2 and 5 of short axes.
+    fn decades(&self) -> Vec<(f64, bool)> {
         let decades = self.high - self.low;
         let named = |digit: i32| match digit {
             1 => true,
@@ -245,7 +301,7 @@ mod tests {
 
     #[test]
     fn axes_are_logarithmic() {
-        let axis = Axis { low: 0.0, high: 2.0, from: 100.0, to: 300.0 };
+        let axis = Axis { scale: Scale::Logarithmic, low: 0.0, high: 2.0, from: 100.0, to: 300.0 };
         assert_eq!((axis.at(1.0), axis.at(10.0), axis.at(100.0)), (100.0, 200.0, 300.0));
         let named: Vec<f64> = axis.ticks().into_iter().filter(|t| t.1).map(|t| t.0).collect();
         assert_eq!(named, [1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0]);
@@ -253,6 +309,14 @@ mod tests {
             (label(0.05), label(1.0), label(3_000_000.0)),
             ("0.05".into(), "1".into(), "3,000,000".into())
         );
+    }
+
+    #[test]
+    fn linear_axes_have_zero_and_less() {
+        let axis = Axis { scale: Scale::Linear, low: -3.0, high: 57.0, from: 0.0, to: 600.0 };
+        assert_eq!((axis.at(-3.0), axis.at(0.0), axis.at(27.0)), (0.0, 30.0, 300.0));
+        let ticks: Vec<f64> = axis.ticks().into_iter().map(|t| t.0).collect();
+        assert_eq!(ticks, (0..6).map(|k| 10.0 * f64::from(k)).collect::<Vec<_>>());
     }
 
     #[test]

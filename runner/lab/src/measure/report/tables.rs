@@ -4,6 +4,7 @@ use super::verdict::{Arm, arms, error_at};
 use super::{Group, passes, significant};
 use crate::measure::statistics::Interval;
 use crate::measure::sweep::Row;
+use crate::measure::sweep::film::JudgedPicture;
 use crate::measure::sweep::point::{Judged, Measurement};
 use shared::passes::Pass;
 
@@ -33,16 +34,28 @@ pub fn series(rows: &[&Row]) -> Table {
         cells.extend(m.judged.iter().flat_map(error_cells));
         table.push(cells);
     }
+    without_empty_columns(table)
+}
+
+/// Without columns that have a header alone: a pass or a number that older results don't have.
+fn without_empty_columns(mut table: Table) -> Table {
+    for column in (1..table[0].len()).rev() {
+        if table[1..].iter().all(|row| row.get(column).is_none_or(String::is_empty)) {
+            table.iter_mut().filter(|row| column < row.len()).for_each(|row| drop(row.remove(column)));
+        }
+    }
     table
 }
 
-const ERRORS: [&str; 8] = ["relMSE", "SMAPE", "R-MAE", "FLIP", "energy", "lasting", "flicker", "correlation"];
+const ERRORS: [&str; 9] =
+    ["relMSE", "SMAPE", "chroma", "R-MAE", "FLIP", "energy", "lasting", "flicker", "correlation"];
 
-fn error_cells(judged: &Judged) -> [String; 8] {
+fn error_cells(judged: &Judged) -> [String; 9] {
     let (e, stability) = (&judged.error, &judged.stability);
     [
         with_error(&e.rel_mse),
         with_error(&e.smape),
+        e.chroma.map_or(String::new(), |chroma| significant(chroma.mean)),
         significant(e.r_mae.mean),
         significant(e.flip),
         format!("{:.3}", e.energy_ratio.mean),
@@ -99,9 +112,75 @@ pub fn bench(rows: &[Row]) -> Table {
     table
 }
 
+/// Films of a series.
+pub fn films(rows: &[&Row]) -> Option<Table> {
+    let row = |row: &&Row| {
+        let m = row.measured.as_ref()?;
+        let film = m.film.as_ref()?;
+        let mut cells = vec![row.label.clone(), time(film.rest_frame.median), time(m.frame.median)];
+        cells.push(format!("{:.2}", m.frame.median / film.rest_frame.median));
+        let numbers: [fn(&JudgedPicture) -> f64; 3] =
+            [|p| p.smape.mean, |p| p.rel_mse.mean, |p| p.chroma.mean];
+        for number in numbers {
+            let (rest, moving) = (film.at_rest().map_or(0.0, number), film.in_motion(number));
+            cells.extend([significant(rest), significant(moving), format!("{:.2}", moving / rest)]);
+        }
+        cells.push(significant(film.in_motion(|p| p.flip)));
+        cells.push(format!("{:.3}", film.in_motion(|p| p.energy_ratio.mean)));
+        let new = film.pictures.iter().filter_map(|p| p.new_points);
+        let (sum, count) = new.fold((0.0, 0), |(sum, count), share| (sum + share, count + 1));
+        cells.push(if count > 0 {
+            format!("{:.1} %", 100.0 * sum / f64::from(count))
+        } else {
+            String::new()
+        });
+        let count = |times| film.pictures_to(times).map_or("more".into(), |n| n.to_string());
+        cells.extend([count(1.1), count(1.5)]);
+        cells.extend(
+            film.correlation.map(|c| if film.has_motion() { format!("{c:.2}") } else { String::new() }),
+        );
+        cells.push(film.jod.map_or(String::new(), |jod| format!("{jod:.2}")));
+        Some(cells)
+    };
+    let table: Table = rows.iter().filter_map(row).collect();
+    let header = FILMS.map(str::to_owned).to_vec();
+    (!table.is_empty()).then(|| without_empty_columns(std::iter::once(header).chain(table).collect()))
+}
+
+const FILMS: [&str; 21] = [
+    "",
+    "rest, ms",
+    "moving, ms",
+    "ratio",
+    "SMAPE, rest",
+    "moving",
+    "ratio",
+    "relMSE, rest",
+    "moving",
+    "ratio",
+    "chroma, rest",
+    "moving",
+    "ratio",
+    "FLIP",
+    "energy",
+    "new points",
+    "to 1.1",
+    "to 1.5",
+    "lag 1",
+    "lag n",
+    "JOD",
+];
+
+/// What the columns of [`films`] mean.
+pub const FILM_COLUMNS: &str = "Medians of GPU times of a frame at rest and in motion, ms. Errors against the sum over all lights at the points that a \
+    picture shaded: of the last picture at rest, and the mean over pictures in motion (after a cut, over those after it, at \
+    rest the last of them), and the second over the first. new points: share of pixels whose point no pixel had in the frame \
+    before. to 1.1, to 1.5: judged pictures after the stop or the cut until SMAPE is so many times that at rest. lag 1, lag n: \
+    correlation of errors of the same surface points in pictures 1 and n apart. JOD: quality of the film, 10 is the truth's.";
+
 /// What the columns of [`series`] mean.
 pub const COLUMNS: &str = "Medians of GPU times, ms, by pass and for the frame (p95: 95 % of the frames take no longer). Errors are of a single \
-    frame against the truth; ± is half the 95 % confidence interval over independent runs. energy: total light over the \
+    frame against the truth; ± is half the 95 % confidence interval over independent runs. chroma: error of colors of luminance 1. energy: total light over the \
     truth's. lasting: √relMSE that no number of runs would average away (bias). flicker: RMS change from frame to frame over the mean. \
     correlation: the share of the noise that survives into the next frame.";
 

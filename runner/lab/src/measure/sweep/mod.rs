@@ -1,6 +1,7 @@
 //! Sweeps: every point of a plan measured, whatever happens to single ones, and nothing measured twice.
 
 pub mod about;
+pub mod film;
 pub mod pictures;
 pub mod plan;
 pub mod point;
@@ -28,7 +29,7 @@ use store::Store;
 use truth::{Lighting, Truth};
 
 /// Changes with every change of what a number means: older results are then measured again.
-const METHOD: u32 = 2;
+const METHOD: u32 = 3;
 
 /// What a sweep leaves behind.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -132,7 +133,10 @@ impl Sweep<'_> {
             SceneSource::File(path) => SceneSource::File(self.base.join(path)),
             built_in => built_in,
         };
-        let scene = scene::load(&source, &Illumination::points(spec.lights))?;
+        let mut scene = scene::load(&source, &Illumination::points(spec.lights))?;
+        if self.plan.motion.is_some() && place.moving_lights > 0.0 {
+            film::circle_lights(&mut scene, place.moving_lights);
+        }
         let scene_key = store::scene_key(&scene);
         let reservoirs = group.iter().map(|p| p.settings.reservoirs).max().unwrap_or(1);
         Ok(Bench { scene, scene_key, reservoirs, device, renderer: None })
@@ -141,7 +145,11 @@ impl Sweep<'_> {
     /// From the store, or measured now.
     fn point(&self, bench: &mut Bench, spec: &PointSpec, about: &About) -> Result<Measurement> {
         let plan = self.plan;
-        let view = bench.scene.camera(spec.camera.as_deref())?;
+        let camera = spec.camera.as_deref();
+        let view = match &plan.motion {
+            Some(motion) => film::first_camera(motion, camera, &mut bench.scene)?,
+            None => bench.scene.camera(camera)?,
+        };
         let camera = view.seen_in(plan.size());
         let place =
             (METHOD, &about.device, &about.shaders, &bench.scene_key, bytemuck::bytes_of(&camera), plan.size);
@@ -153,7 +161,9 @@ impl Sweep<'_> {
             Indirect::Off => store::key(&lit)?,
             bounces => store::key(&(lit, bounces))?,
         };
-        let key = store::key(&(&place, &plan.truth, &spec.settings, runs, accumulate))?;
+        let moves =
+            plan.motion.as_ref().map(|motion| (motion, &spec.camera, plan.scenes[spec.scene].moving_lights));
+        let key = store::key(&(&place, &plan.truth, &spec.settings, spec.denoise, runs, accumulate, moves))?;
         if let Some(known) = self.store.point(&key).filter(|_| !plan.times_only) {
             self.progress.advance(point::frames_of(plan));
             return Ok(known);
@@ -206,8 +216,11 @@ impl Sweep<'_> {
                 none.insert(Renderer::new(device, scene, plan.size(), bench.reservoirs)?)
             }
         };
-        let measured = if plan.times_only {
-            point::measure(renderer, camera, plan, &spec.settings, None, || self.progress.advance(1))?
+        let tick = || self.progress.advance(1);
+        let measured = if let Some(motion) = &plan.motion {
+            film::measure(renderer, &mut bench.scene, plan, motion, spec, tick)?
+        } else if plan.times_only {
+            point::measure(renderer, camera, plan, spec, None, tick)?
         } else {
             self.judged(renderer, camera, spec, truth_key)?
         };
@@ -230,9 +243,8 @@ impl Sweep<'_> {
             let settings = &spec.settings;
             let about = (truth_key, settings.primary, indirect::bounces(settings.indirect.into()));
             let truth = self.truth(renderer, camera, about, wanted)?;
-            let mut measured = point::measure(renderer, camera, self.plan, settings, Some(&truth), || {
-                self.progress.advance(1)
-            })?;
+            let tick = || self.progress.advance(1);
+            let mut measured = point::measure(renderer, camera, self.plan, spec, Some(&truth), tick)?;
             let Some(judged) = &mut measured.judged else { return Ok(measured) };
             let enough = plan.part * judged.smallest_error();
             judged.truth.capped = truth.about.error > enough && truth.about.samples >= plan.max_samples;
@@ -290,6 +302,9 @@ impl Sweep<'_> {
         let what = match (&row.measured, &row.error) {
             (Some(m), _) => {
                 let error = m.judged.as_ref().map(|j| format!(", relMSE {:.4}", j.error.rel_mse.mean));
+                let moving =
+                    |film: &film::Film| format!(", SMAPE {:.4} in motion", film.in_motion(|p| p.smape.mean));
+                let error = error.or(m.film.as_ref().map(moving));
                 format!("{:.3} ms{}", m.frame.median, error.unwrap_or_default())
             }
             (None, error) => format!("FAILED: {}", error.as_deref().unwrap_or_default()),

@@ -46,6 +46,9 @@ pub struct Plan {
     pub series: Vec<Series>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub accumulate: Option<Accumulate>,
+    /// Films in place of frames at rest.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub motion: Option<MotionPlan>,
     #[serde(default)]
     pub truth: TruthPlan,
 }
@@ -58,9 +61,13 @@ pub struct PlanScene {
     pub source: PathBuf,
     #[serde(default = "default_lights")]
     pub lights: Vec<usize>,
-    /// By name, number or position; the scene's first one if there are none.
+    /// By name, number or position; the scene's first one if there are none. Of a motion: one that moves, one that stands while
+    /// things move, or `from > to`, a cut.
     #[serde(default)]
     pub cameras: Vec<String>,
+    /// Of a motion: point lights go round circles of this radius, m.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub moving_lights: f64,
 }
 
 /// Points that stand together in a table.
@@ -79,12 +86,61 @@ pub struct Series {
     pub arms: Vec<Arm>,
 }
 
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Arm {
     pub name: String,
     #[serde(default)]
     pub settings: Table,
+    /// Judge what is denoised.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub denoise: bool,
+}
+
+/// A film: at rest, in motion, at rest again; see [`super::film`].
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct MotionPlan {
+    /// Pictures a second.
+    pub fps: f32,
+    /// Frames at rest before the motion, the last one of which is judged.
+    pub rest: u32,
+    /// Frames in motion; of a cut there are none.
+    pub moving: u32,
+    /// Frames after the stop or the cut.
+    pub after: u32,
+    /// Every so many pictures in motion one is judged, and the one after it.
+    pub every: u32,
+    /// So many pictures from the beginning of the motion on are judged as a film.
+    pub film: u32,
+    /// Points drawn on each light with an extent, of a picture's truth.
+    pub truth_samples: u32,
+}
+
+impl Default for MotionPlan {
+    fn default() -> Self {
+        MotionPlan { fps: 60.0, rest: 33, moving: 48, after: 33, every: 8, film: 0, truth_samples: 16 }
+    }
+}
+
+impl MotionPlan {
+    /// The first mistake, in one line.
+    fn check(&self) -> Result<(), String> {
+        let MotionPlan { fps, rest, moving, after, every, truth_samples, .. } = *self;
+        if !(fps > 0.0 && fps <= 1000.0) || [rest, after, truth_samples].contains(&0) {
+            return Err(
+                "motion: fps is above 0 and at most 1000; rest, after and truth_samples are above 0".into()
+            );
+        }
+        if every < 2 || [rest, moving, after].iter().any(|frames| *frames > 100_000) {
+            return Err("motion: every is at least 2; rest, moving and after are at most 100000".into());
+        }
+        Ok(())
+    }
+}
+
+fn is_zero(number: &f64) -> bool {
+    *number == 0.0
 }
 
 /// Means of more and more frames: what is reached after so many ms.
@@ -150,6 +206,8 @@ pub struct PointSpec {
     /// Arm and values of the axes.
     pub label: String,
     pub settings: Knobs,
+    /// What is judged is denoised.
+    pub denoise: bool,
 }
 
 impl Plan {
@@ -185,6 +243,12 @@ impl Plan {
             return Err("a plan can't have inf or nan".into());
         }
         self.steady.check()?;
+        if let Some(motion) = &self.motion {
+            motion.check()?;
+            if self.times_only || self.accumulate.is_some() {
+                return Err("motion: neither with times_only nor with accumulate".into());
+            }
+        }
         if self.times_only && self.accumulate.is_some() {
             return Err("times_only: there is nothing to accumulate without errors".into());
         }
@@ -221,8 +285,9 @@ impl Plan {
     fn numbers(&self) -> impl Iterator<Item = f64> {
         let SteadyPlan { ms, window_ms, within, max_ms } = self.steady;
         let TruthPlan { max_rays, error, part, .. } = self.truth;
+        let moving = self.scenes.iter().map(|scene| scene.moving_lights);
         let accumulated = self.accumulate.iter().flat_map(|a| a.targets.iter().copied().chain([a.ms]));
-        [ms, window_ms, within, max_ms, max_rays, error, part].into_iter().chain(accumulated)
+        [ms, window_ms, within, max_ms, max_rays, error, part].into_iter().chain(accumulated).chain(moving)
     }
 
     pub fn size(&self) -> UVec2 {
@@ -265,9 +330,11 @@ impl Plan {
                 for camera in cameras {
                     for series in &self.series {
                         if series.draws(place) {
-                            for (label, settings) in self.rows(series)? {
+                            for (label, settings, denoise) in self.rows(series)? {
                                 let (camera, series) = (camera.clone(), series.name.clone());
-                                points.push(PointSpec { scene, lights, camera, series, label, settings });
+                                let spec =
+                                    PointSpec { scene, lights, camera, series, label, settings, denoise };
+                                points.push(spec);
                             }
                         }
                     }
@@ -277,8 +344,8 @@ impl Plan {
         Ok(points)
     }
 
-    /// (label, settings) of a series.
-    fn rows(&self, series: &Series) -> Result<Vec<(String, Knobs)>, String> {
+    /// (label, settings, denoised) of a series.
+    fn rows(&self, series: &Series) -> Result<Vec<(String, Knobs, bool)>, String> {
         let mut rows = Vec::new();
         for arm in series.arms().iter() {
             for (values, knobs) in combinations(&self.knobs(series, arm)) {
@@ -289,7 +356,7 @@ impl Plan {
                 let settings: Knobs =
                     knobs.try_into().map_err(|e: toml::de::Error| wrong(e.message().replace('\n', " ")))?;
                 settings.check().map_err(wrong)?;
-                rows.push((label, settings));
+                rows.push((label, settings, arm.denoise));
             }
         }
         Ok(rows)
@@ -300,7 +367,7 @@ impl Series {
     /// Its arms, or the one that sets nothing.
     fn arms(&self) -> Cow<'_, [Arm]> {
         match self.arms.is_empty() {
-            true => vec![Arm { name: String::new(), settings: Table::new() }].into(),
+            true => vec![Arm::default()].into(),
             false => self.arms.as_slice().into(),
         }
     }

@@ -1,7 +1,8 @@
 //! One point of a sweep: its times, its errors, and those of its accumulated mean.
 
+use super::film::{self, Film};
 use super::pictures;
-use super::plan::Plan;
+use super::plan::{Plan, PointSpec};
 use super::steady::{Settled, Watch};
 use super::truth::{AboutTruth, Truth};
 use crate::measure::mean::Mean;
@@ -10,7 +11,7 @@ use crate::measure::statistics::{Interval, Times};
 use crate::measure::times::PassTimes;
 use candela::error::Result;
 use candela::frame::renderer::{FrameOptions, Renderer, StepTimes};
-use candela::frame::schedule::{Primary, Work};
+use candela::frame::schedule::Work;
 use candela::knobs::Knobs;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
@@ -44,6 +45,9 @@ pub struct Measurement {
     /// None where times alone were asked for.
     #[serde(flatten)]
     pub judged: Option<Judged>,
+    /// In place of `judged` where a plan has a motion; times are then those of frames in motion.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub film: Option<Film>,
     /// Device memory of scene and targets, bytes.
     pub memory: u64,
     /// A part of the last frame of the first run, as a JPEG in Base64.
@@ -86,6 +90,9 @@ pub struct Errors {
     pub r_mae: Interval,
     pub mape: Interval,
     pub smape: Interval,
+    /// None in results from before it was measured.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub chroma: Option<Interval>,
     pub energy_ratio: Interval,
     pub bias: Interval,
     /// Of the first run.
@@ -108,6 +115,9 @@ pub struct CurvePoint {
 
 /// Frames that [`measure`] renders, about.
 pub fn frames_of(plan: &Plan) -> u64 {
+    if let Some(motion) = &plan.motion {
+        return film::frames_of(motion, plan.replicas);
+    }
     let accumulated = plan.accumulate.as_ref().map_or(0, |a| a.frames.min(256));
     u64::from(plan.replicas) * [plan.warm_up, plan.frames, accumulated].map(u64::from).iter().sum::<u64>()
 }
@@ -117,14 +127,12 @@ pub fn measure(
     renderer: &mut Renderer,
     camera: Camera,
     plan: &Plan,
-    settings: &Knobs,
+    spec: &PointSpec,
     truth: Option<&Truth>,
     mut tick: impl FnMut(),
 ) -> Result<Measurement> {
-    let lights = renderer.scene().lights();
-    let work = Work::Restir(settings.settings(lights));
-    let mut run = Run { renderer, camera, work, primary: settings.primary, clock: Clock::Gpu };
-    let mut point = Measurement { settings: settings.clone(), ..Measurement::default() };
+    let mut run = Run { camera, ..Run::new(renderer, spec) };
+    let mut point = Measurement { settings: spec.settings.clone(), ..Measurement::default() };
     let mut times = Timed::default();
     let mut frames = Vec::new();
     for replica in 0..plan.replicas {
@@ -203,19 +211,40 @@ impl Timed {
 }
 
 /// A renderer set on one camera and one work.
-struct Run<'a> {
-    renderer: &'a mut Renderer,
-    camera: Camera,
-    work: Work,
-    primary: Primary,
+pub struct Run<'a> {
+    pub renderer: &'a mut Renderer,
+    pub camera: Camera,
+    /// But for the seed.
+    options: FrameOptions,
     clock: Clock,
 }
 
+impl<'a> Run<'a> {
+    /// From the world's origin.
+    pub fn new(renderer: &'a mut Renderer, spec: &PointSpec) -> Self {
+        let (knobs, camera) =
+            (&spec.settings, Camera::new(Vec3::ZERO, Vec3::NEG_Z, Vec3::Y, 1.0, renderer.size()));
+        let settings = knobs.settings(renderer.scene().lights());
+        let settings = if spec.denoise { settings.for_a_mean() } else { settings };
+        let options = FrameOptions::new(Work::Restir(settings), knobs.primary, 0);
+        let options = FrameOptions { denoise: spec.denoise, ..options };
+        Run { renderer, camera, options, clock: Clock::Gpu }
+    }
+}
+
 impl Run<'_> {
+    pub fn clock(&self) -> Clock {
+        self.clock
+    }
+
+    pub fn options(&self, seed: u32) -> FrameOptions {
+        FrameOptions { seed, ..self.options }
+    }
+
     /// One frame's steps and ms.
-    fn frame(&mut self, seed: u32) -> Result<(StepTimes, f64)> {
+    pub fn frame(&mut self, seed: u32) -> Result<(StepTimes, f64)> {
         let start = Instant::now();
-        let options = FrameOptions::new(self.work, self.primary, seed);
+        let options = self.options(seed);
         let steps = self.renderer.render(self.camera, &options)?.unwrap_or_else(|| {
             self.clock = Clock::Wall;
             vec![("frame", start.elapsed().as_secs_f64() * 1e3)]
@@ -225,7 +254,7 @@ impl Run<'_> {
     }
 
     /// Renders until the time of a frame stands still.
-    fn settle(&mut self, plan: &Plan) -> Result<Settled> {
+    pub fn settle(&mut self, plan: &Plan) -> Result<Settled> {
         let (start, mut watch) = (Instant::now(), Watch::new(plan.steady));
         loop {
             let (_, ms) = self.frame(plan.seed)?;
@@ -292,7 +321,7 @@ impl Run<'_> {
 }
 
 /// 1, 2, 3, 4, 6, 8, 11, 16, ...: the rounded powers of √2.
-fn is_checkpoint(n: u32) -> bool {
+pub fn is_checkpoint(n: u32) -> bool {
     let nearest = (2.0 * f64::from(n).log2()).round();
     (nearest / 2.0).exp2().round() as u32 == n
 }
@@ -320,6 +349,7 @@ fn errors(runs: &[Metrics], mean: &Mean, truth: &[Vec3]) -> Errors {
         r_mae: of(&|m| m.r_mae),
         mape: of(&|m| m.mape),
         smape: of(&|m| m.smape),
+        chroma: Some(of(&|m| m.chroma)),
         energy_ratio: of(&|m| m.energy_ratio),
         bias: of(&|m| m.bias),
         flip: runs.first().and_then(|m| m.flip).unwrap_or(0.0),

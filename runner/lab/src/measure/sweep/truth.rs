@@ -16,7 +16,7 @@ use glam::{UVec2, Vec3};
 use serde::{Deserialize, Serialize};
 use shared::camera::Camera;
 use shared::frame::features::{self, light_kind};
-use shared::frame::{Settings, mode};
+use shared::frame::{Settings, indirect, mode};
 use shared::light::{KINDS, KindFacts};
 
 #[derive(Clone, Debug)]
@@ -135,6 +135,40 @@ pub fn converge(
     let about = AboutTruth { method, samples: mean.count(), paths, error, ..AboutTruth::default() };
     Ok(Truth { size, radiance: mean.radiance(), about })
 }
+
+/// Sums over all lights at the points that the last frame of `renderer`, made with `options`, shaded; with light that bounces if that
+/// frame has it. `samples` of them where lights have an extent or something is transparent. The frame after it knows nothing of
+/// them.
+pub fn at_points(
+    renderer: &mut Renderer,
+    camera: Camera,
+    options: &FrameOptions,
+    samples: u32,
+) -> Result<Mean> {
+    let bounces = match options.work {
+        Work::Restir(settings) => indirect::bounces(settings.indirect),
+        _ => 0,
+    };
+    let lighting = Lighting { bounces, ..Lighting::new(renderer.scene(), options.primary) };
+    let mut mean = Mean::new(renderer.size());
+    for sample in 0..if lighting.is_exact() { 1 } else { samples } {
+        let seed = options.seed.wrapping_add(AT_POINTS + sample);
+        let mut frame = |work| {
+            renderer.render(camera, &FrameOptions { work, seed, parts: false, ..*options })?;
+            renderer.radiance()
+        };
+        let mut radiance = frame(Work::Truth { lights: lighting.lights })?;
+        if bounces > 0 {
+            let paths = frame(Work::TruthPaths { bounces, paths: PATHS_A_FRAME })?;
+            radiance.iter_mut().zip(paths).for_each(|(sum, paths)| *sum += paths);
+        }
+        mean.add(&radiance);
+    }
+    Ok(mean)
+}
+
+/// Far from the seed of the frame.
+const AT_POINTS: u32 = 0x7472_7574;
 
 /// Fewer say nothing about their spread.
 const FEWEST: u32 = 4;

@@ -27,15 +27,16 @@ pub const DEFAULT_LIGHT_COUNT: usize = 500;
 /// total intensity for any count. The same count gives the same scene.
 pub fn atrium(light_count: usize) -> SceneDescription {
     let cameras = cameras();
-    let scene = SceneDescription {
+    let walker = cameras.len() - 1;
+    let mut scene = SceneDescription {
         name: "atrium".into(),
         materials: materials::materials(),
         textures: textures::textures(),
         lights: lights::lights(light_count).into_iter().map(Into::into).collect(),
-        animation: walk::walk(cameras.len() - 1),
         cameras,
         ..SceneDescription::default()
     };
+    walk::add(&mut scene, walker);
     let mut kit = kit::Kit { scene };
     for add in [
         floor::add,
@@ -53,7 +54,7 @@ pub fn atrium(light_count: usize) -> SceneDescription {
     kit.scene
 }
 
-/// The first is the one to start with, the last one moves.
+/// The first is the one to start with, the last one moves; [`walk`] adds more.
 fn cameras() -> Vec<SceneCamera> {
     let camera = |name: &str, position: Vec3, target: Vec3, degrees: f32| SceneCamera {
         name: name.into(),

@@ -2,8 +2,9 @@
 
 use super::cars;
 use super::plan::{Plan, Rect, SIDES, Usage};
-use crate::scene::animation::{Animation, Channel, Curve, Interpolation, Local, Node, Thing, Track};
-use glam::{DAffine3, DQuat, DVec3, DVec4, Quat, Vec2, Vec3};
+use crate::scene::animation::{Animation, Local, Node, Thing};
+use crate::scene::procedural::path;
+use glam::{DAffine3, DVec3, Quat, Vec2, Vec3};
 
 /// Time of a round and of the drive, s.
 pub const DURATION: f32 = 24.0;
@@ -193,24 +194,12 @@ pub fn driver(drive: &Drive, time: f32) -> (Vec3, Vec2) {
 
 /// Adds a node that follows `place` (where, and the way it heads) and returns it.
 pub fn follow(animation: &mut Animation, place: impl Fn(f32) -> (Vec3, Vec2)) -> usize {
-    let times: Vec<f32> = (0..=KEYS).map(|k| DURATION * k as f32 / KEYS as f32).collect();
-    let (places, turns): (Vec<DVec3>, Vec<DVec4>) = times
-        .iter()
-        .map(|&time| {
-            let (at, way) = place(time);
-            let q = cars::heading(way).as_dquat();
-            (at.as_dvec3(), DVec4::new(q.x, q.y, q.z, q.w))
-        })
-        .unzip();
-    let node = animation.nodes.len();
-    let rest = Local::Trs { translation: places[0], rotation: DQuat::from_vec4(turns[0]), scale: DVec3::ONE };
-    animation.nodes.push(Node { parent: None, base: DAffine3::IDENTITY, rest });
-    let linear = Interpolation::Linear;
-    let moves = Track { interpolation: linear, times: times.clone(), values: places };
-    animation.channels.push(Channel { node, curve: Curve::Translation(moves) });
-    let turns = Track { interpolation: linear, times, values: turns };
-    animation.channels.push(Channel { node, curve: Curve::Rotation(turns) });
-    node
+    let key = |key: usize| {
+        let time = DURATION * key as f32 / KEYS as f32;
+        let (at, way) = place(time);
+        (time, at.as_dvec3(), cars::heading(way).as_dquat())
+    };
+    path::follow(animation, (0..=KEYS).map(key))
 }
 
 /// Hangs `thing` on `parent`, at a place of its own in the parent's space.
