@@ -6,8 +6,8 @@ use candela::image_io::{self, Channel, PictureFormat};
 use candela_lab::measure::mean::Mean;
 use glam::{UVec2, Vec3};
 use shared::camera::Camera;
-use shared::math::luminance;
-use shared::math::unpack_place;
+use shared::math::{luminance, unpack_place};
+use shared::motion::InstanceMotion;
 use shared::resources::Resource;
 use shared::surface::GBufferTexel;
 
@@ -29,6 +29,13 @@ struct Layers {
     direct: Lobes,
     /// None without light that bounces.
     indirect: Option<Lobes>,
+}
+
+/// Where a frame saw things that the frame after it sees elsewhere.
+pub struct Before {
+    pub camera: Camera,
+    /// The way back of each geometry to that frame; those beyond the end stood still.
+    pub motions: Vec<InstanceMotion>,
 }
 
 /// Light by the lobes that reflect it.
@@ -101,19 +108,30 @@ impl Accumulation {
         }
     }
 
-    /// Mean of the pixels' standard errors over the mean luminance.
-    pub fn relative_standard_error(&self) -> f64 {
+    /// Of each pixel's luminance, nit.
+    fn standard_errors(&self) -> Vec<f64> {
         let mut errors = self.frames.standard_errors();
         if let Some(paths) = &self.paths {
             errors.iter_mut().zip(paths.standard_errors()).for_each(|(a, b)| *a = a.hypot(b));
         }
-        let error: f64 = errors.iter().sum();
+        errors
+    }
+
+    /// Of each pixel's mean luminance, nit², as if frames were independent.
+    fn variances(&self) -> Vec<f32> {
+        self.standard_errors().iter().map(|error| (error * error) as f32).collect()
+    }
+
+    /// Mean of the pixels' standard errors over the mean luminance.
+    pub fn relative_standard_error(&self) -> f64 {
+        let error: f64 = self.standard_errors().iter().sum();
         let luminance: f64 = self.radiance().iter().map(|&c| f64::from(luminance(c))).sum();
         if luminance > 0.0 { error / luminance } else { 0.0 }
     }
 
-    /// The picture, with layers where they are asked for: the parts, and what the last frame of `renderer` saw from `camera`.
-    pub fn content(&self, renderer: &Renderer, camera: Camera) -> Result<Content> {
+    /// The picture, with layers where they are asked for: the parts, and what the last frame of `renderer` saw from `camera`; `before`:
+    /// the frame before it, if there was one.
+    pub fn content(&self, renderer: &Renderer, camera: Camera, before: Option<&Before>) -> Result<Content> {
         let (size, radiance) = (renderer.size(), self.radiance());
         let Some(Layers { emission, direct, indirect }) = &self.layers else {
             return Ok(Content::new(size, radiance));
@@ -129,13 +147,24 @@ impl Accumulation {
         let seen = |look: fn(&GBufferTexel) -> Vec3| -> Vec<Vec3> {
             gbuffer.iter().map(|texel| if texel.is_empty() { Vec3::ZERO } else { look(texel) }).collect()
         };
+        let place = |i: usize, texel: &GBufferTexel| {
+            UVec2::new(i as u32 % size.x, i as u32 / size.x).as_vec2() + unpack_place(texel.place())
+        };
         let depth = |(i, texel): (usize, &GBufferTexel)| {
-            let pixel =
-                UVec2::new(i as u32 % size.x, i as u32 / size.x).as_vec2() + unpack_place(texel.place());
-            let along = camera.direction(pixel, size).dot(camera.forward);
+            let along = camera.direction(place(i, texel), size).dot(camera.forward);
             if texel.is_empty() { NOTHING } else { texel.distance() * along }
         };
         let depth = Channel::new("depth.Z", gbuffer.iter().enumerate().map(depth).collect());
+        let motion = |(i, texel): (usize, &GBufferTexel)| {
+            let (Some(before), false) = (before, texel.is_empty()) else { return Vec3::ZERO };
+            let at = place(i, texel);
+            let way = camera.direction(at, size) * texel.distance();
+            let back = before.motions.get(texel.instance() as usize).copied().unwrap_or_default();
+            let moved = camera.position - before.camera.position + back.displacement(camera.position + way);
+            (before.camera.project(way + moved, size) - at).extend(0.0)
+        };
+        let motion = gbuffer.iter().enumerate().map(motion).collect::<Vec<_>>();
+        let variance = (self.frames.count() > 1).then(|| Channel::new("variance.Y", self.variances()));
         let layers = [
             ("diffuse.", "RGB", diffuse),
             ("specular.", "RGB", specular),
@@ -143,10 +172,11 @@ impl Accumulation {
             ("albedo.", "RGB", seen(GBufferTexel::diffuse)),
             ("f0.", "RGB", seen(GBufferTexel::f0)),
             ("normal.", "XYZ", seen(GBufferTexel::normal)),
+            ("motion.", "XY", motion),
         ];
         let layers = layers.iter().chain(&bounced);
         let channels = layers.flat_map(|(layer, names, content)| channels(layer, names, content));
-        Ok(Content { size, radiance, layers: channels.chain([depth]).collect() })
+        Ok(Content { size, radiance, layers: channels.chain([depth]).chain(variance).collect() })
     }
 }
 
@@ -172,14 +202,20 @@ impl Content {
         Content { size, radiance, layers: Vec::new() }
     }
 
-    /// What the last frame of `renderer` saw from `camera`. `layers`: it was rendered in parts.
-    pub fn of_frame(renderer: &Renderer, camera: Camera, layers: bool) -> Result<Self> {
+    /// What the last frame of `renderer` saw from `camera`. `before`: the frame before it, if there was one. `layers`: it was rendered
+    /// in parts.
+    pub fn of_frame(
+        renderer: &Renderer,
+        camera: Camera,
+        before: Option<&Before>,
+        layers: bool,
+    ) -> Result<Self> {
         if !layers {
             return Ok(Content::new(renderer.size(), renderer.radiance()?));
         }
         let mut frame = Accumulation::new(renderer.size(), layers);
         frame.add(renderer)?;
-        frame.content(renderer, camera)
+        frame.content(renderer, camera, before)
     }
 
     /// Rows from the top, nit.

@@ -81,7 +81,7 @@ pub fn run(args: &ReferenceArgs) -> Result<()> {
     }
     progress.end();
     let traced = start.elapsed() - summed;
-    let content = accumulation.content(&renderer, camera)?;
+    let content = accumulation.content(&renderer, camera, None)?;
     output::write(content, format, &args.picture, metered)?;
     let seconds = |time: Duration| format!("{:.1} s", time.as_secs_f64());
     println!("{}: {lights} lights, {samples} samples each, {}", device.info().name, seconds(summed));

@@ -123,9 +123,9 @@ fn still(args: &RenderArgs, frames: u32) -> Result<()> {
     progress.end();
 
     let content = match layers {
-        Some(layers) => layers.content(&renderer, camera)?,
+        Some(layers) => layers.content(&renderer, camera, None)?,
         None if args.accumulate => Content::new(size, renderer.read(Resource::mean)?),
-        None => Content::of_frame(&renderer, camera, options.parts)?,
+        None => Content::of_frame(&renderer, camera, None, options.parts)?,
     };
     output::write(content, format, &args.picture, metered)?;
     if let Some(path) = &args.truth {

@@ -1,7 +1,7 @@
 //! `candela render --frames A..B`: pictures of a sequence, one a frame. Those that exist are skipped, so that jobs can share a
 //! sequence and resume it.
 
-use super::accumulation::Content;
+use super::accumulation::{Before, Content};
 use super::progress::Steps;
 use super::render::RenderArgs;
 use super::writer::Writer;
@@ -49,7 +49,16 @@ pub fn run(args: &RenderArgs, frames: Range<u32>) -> Result<()> {
     let settings = args.settings(&knobs, &gpu_scene);
     let renderer = Renderer::new(&device, gpu_scene, args.picture.size, settings.reservoirs)?;
     let options = args.options(settings, knobs.primary);
-    let mut film = Film { args, scene, renderer, options, next: None, times: PassTimes::default() };
+    let mut film = Film {
+        args,
+        scene,
+        renderer,
+        options,
+        next: None,
+        now: None,
+        before: None,
+        times: PassTimes::default(),
+    };
     let mut progress = Steps::new(missing.len() as u64, "sequence");
     // The same for all pictures, and for all jobs that share the sequence.
     let exposure = match format {
@@ -59,7 +68,7 @@ pub fn run(args: &RenderArgs, frames: Range<u32>) -> Result<()> {
     let mut writer = Writer::new();
     for (frame, path) in &missing {
         let camera = film.picture(*frame)?;
-        let content = Content::of_frame(&film.renderer, camera, options.parts)?;
+        let content = Content::of_frame(&film.renderer, camera, film.before.as_ref(), options.parts)?;
         writer.push(path.clone(), move || content.encode(format, exposure))?;
         if let Some(path) = truths {
             let path = numbered(path, *frame)?;
@@ -87,6 +96,10 @@ struct Film<'a> {
     options: FrameOptions,
     /// The frame that continues the history.
     next: Option<u32>,
+    /// The camera of the last frame of this history.
+    now: Option<Camera>,
+    /// The frame before that, where layers ask for it.
+    before: Option<Before>,
     times: PassTimes,
 }
 
@@ -95,6 +108,7 @@ impl Film<'_> {
     fn picture(&mut self, frame: u32) -> Result<Camera> {
         if self.next != Some(frame) {
             self.renderer.restart();
+            self.now = None;
             for before in (1..=self.args.warm_up).rev() {
                 // Before the beginning everything stands where it begins.
                 self.render(frame.saturating_sub(before))?;
@@ -118,8 +132,17 @@ impl Film<'_> {
     }
 
     fn render(&mut self, frame: u32) -> Result<Camera> {
+        let version = self.renderer.scene().version();
         let camera = self.set(frame)?;
         self.times.add(self.renderer.render(camera, &self.options)?);
+        let scene = self.renderer.scene();
+        self.before = match self.now.replace(camera) {
+            Some(camera) if self.options.parts => {
+                let motions = if scene.version() != version { scene.motions()? } else { Vec::new() };
+                Some(Before { camera, motions })
+            }
+            _ => None,
+        };
         Ok(camera)
     }
 

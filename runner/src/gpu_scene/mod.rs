@@ -27,6 +27,7 @@ use shared::frame::features;
 use shared::light::count::LightCount;
 use shared::light::tree::Tree;
 use shared::material::{Material, UNLIT_WHITE};
+use shared::motion::InstanceMotion;
 use shared::resources::{Binding as Place, Resource, set};
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
@@ -176,6 +177,12 @@ impl GpuScene {
     /// How many there are, and how dense: what [`crate::knobs::Knobs::settings`] asks for.
     pub fn lights(&self) -> LightCount {
         self.lights
+    }
+
+    /// The way back of each [`shared::geometry::InstanceGeometry`], from the last frame in which anything moved ([`GpuScene::version`])
+    /// to the one before it; nothing where nothing ever moved.
+    pub fn motions(&self) -> Result<Vec<InstanceMotion>> {
+        self.past.as_ref().map_or(Ok(Vec::new()), Past::motions)
     }
 
     /// Lights of the light tree; 0 before it is made.

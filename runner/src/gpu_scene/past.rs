@@ -328,6 +328,11 @@ impl Past {
         self.set.bind_storage_buffer(Place::current_to_previous.number(), &self.maps[1]);
     }
 
+    /// Of each geometry, as the last frame with changes left them.
+    pub(super) fn motions(&self) -> Result<Vec<InstanceMotion>> {
+        self.motions.read_vec()
+    }
+
     fn bytes(&self) -> u64 {
         let staging = self.staging.iter().flatten().map(Buffer::size).sum::<u64>();
         let blas = self.blas.as_ref().map_or(0, BlasUpdate::bytes);
