@@ -152,7 +152,7 @@ fn among(tree: &BTreeSet<String>, names: &[&str]) -> Vec<String> {
 
 #[test]
 fn the_library_has_no_window_and_no_command_line() {
-    let library = tree(&["candela"]);
+    let library = tree(&["candela-renderer"]);
     assert!(library.contains("ash") && library.contains("candela-shared"), "{library:?}");
     assert_eq!(among(&library, &[WINDOWS.as_slice(), &PROGRAMS].concat()), Vec::<String>::new());
     assert_eq!(

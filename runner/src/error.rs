@@ -9,6 +9,15 @@ use std::path::{Path, PathBuf};
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
 /// What went wrong, in the words of a message; [`Error::kind`] says whose fault it is.
+///
+/// ```
+/// use candela::error::Kind;
+/// use candela::image_io::format_of;
+///
+/// let error = format_of("picture.gif".as_ref()).unwrap_err();
+/// assert_eq!(error.to_string(), "picture.gif: pictures are written as .png or .exr");
+/// assert_eq!(error.kind(), Kind::Input);
+/// ```
 #[derive(Debug, thiserror::Error)]
 #[expect(missing_docs, reason = "messages name the fields of variants")]
 pub enum Error {

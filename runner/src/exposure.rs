@@ -11,6 +11,15 @@ const LEAST_SEEN: f64 = 1e-3;
 
 /// Factor from nit to display values that shows the geometric mean of the lit pixels' luminance as middle grey, `stops`
 /// brighter (Reinhard et al. 2002, eq. 1). 1 for a picture without light.
+///
+/// ```
+/// use candela::exposure::automatic;
+/// use candela::shared::glam::Vec3;
+///
+/// let picture = [Vec3::splat(200.0); 4];
+/// assert!((200.0 * automatic(&picture, 0.0) - 0.18).abs() < 1e-4);
+/// assert_eq!(automatic(&picture, 1.0), 2.0 * automatic(&picture, 0.0));
+/// ```
 pub fn automatic(radiance: &[Vec3], stops: f32) -> f32 {
     let lit = || radiance.iter().map(|&c| f64::from(luminance(c))).filter(|l| *l > 0.0 && l.is_finite());
     let arithmetic = lit().sum::<f64>() / lit().count().max(1) as f64;

@@ -91,6 +91,18 @@ fn not_encoded(error: impl std::fmt::Display) -> Error {
 }
 
 /// Writes radiance (nit, linear RGB, rows from the top).
+///
+/// ```
+/// use candela::image_io::{read_exr, write_exr};
+/// use candela::shared::glam::{UVec2, Vec3};
+///
+/// let (size, radiance) = (UVec2::new(2, 1), [Vec3::X, 1_000.0 * Vec3::ONE]);
+/// let path = std::env::temp_dir().join("candela-write-exr.exr");
+/// write_exr(&path, size, &radiance)?;
+/// assert_eq!(read_exr(&path)?, (size, radiance.to_vec()));
+/// # std::fs::remove_file(path).ok();
+/// # Ok::<(), candela::error::Error>(())
+/// ```
 pub fn write_exr(path: &Path, size: UVec2, radiance: &[Vec3]) -> Result<()> {
     replace(path, &encode_exr(size, radiance)?)
 }

@@ -8,7 +8,7 @@
 //!
 //! A white square under a lamp of 100 cd, as a PNG file:
 //!
-//! ```no_run
+//! ```
 //! use candela::exposure;
 //! use candela::frame::renderer::{FrameOptions, Renderer};
 //! use candela::frame::schedule::{Primary, Work};
@@ -18,7 +18,6 @@
 //! use candela::scene::{Instance, Material, Mesh, PointLight, Primitive, SceneDescription};
 //! use candela::shared::glam::{Affine3A, UVec2, Vec3};
 //! use candela::vulkan::{Device, DeviceOptions};
-//! use std::path::Path;
 //!
 //! # fn main() -> candela::error::Result<()> {
 //! let square = Primitive {
@@ -41,7 +40,7 @@
 //!     ..SceneDescription::default()
 //! };
 //!
-//! let size = UVec2::new(640, 360);
+//! let size = UVec2::new(320, 180);
 //! let camera = scene.camera_fitted().seen_in(size);
 //! let device = Device::new(&DeviceOptions::default())?;
 //! let gpu_scene = GpuScene::new(&device, &scene)?;
@@ -53,7 +52,8 @@
 //! }
 //! let radiance = renderer.radiance()?;
 //! let exposure = exposure::automatic(&radiance, 0.0);
-//! image_io::write_tone_mapped(Path::new("square.png"), size, &radiance, exposure)
+//! let file = std::env::temp_dir().join("square.png");
+//! image_io::write_tone_mapped(&file, size, &radiance, exposure)
 //! # }
 //! ```
 #![deny(missing_docs)]

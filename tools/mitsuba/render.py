@@ -12,7 +12,7 @@ import numpy as np
 
 mi.set_variant("llvm_ad_rgb")
 
-from scene import Scene, SceneError  # noqa: E402 (needs the variant)
+from scene import Scene, SceneError, pixel_rays  # noqa: E402 (needs the variant)
 
 # Camera rays of a pixel at once, their light samples stratified; the spread between such batches gives the standard error.
 BATCH = 4096
@@ -27,14 +27,6 @@ SHADOW_EDGE = 1e-3
 LEAST_COSINE = 0.01
 # Two rays see the same surface if they hit the same shape and the normals differ by less (cosine).
 SAME_NORMAL = 0.94
-
-
-def pixel_rays(sensor, size, offset=(0.5, 0.5), repeat=1):
-    """`repeat` rays through each pixel, at `offset` in it."""
-    index = dr.arange(mi.UInt32, size[0] * size[1] * repeat) // repeat
-    x, y = index % size[0], index // size[0]
-    place = mi.Point2f((mi.Float(x) + offset[0]) / size[0], (mi.Float(y) + offset[1]) / size[1])
-    return sensor.sample_ray(0, 0, place, mi.Point2f(0.5))[0]
 
 
 def direct_integrators():

@@ -4,6 +4,7 @@ import json
 import sys
 from pathlib import Path
 
+import drjit as dr
 import mitsuba as mi
 import numpy as np
 
@@ -73,6 +74,14 @@ class Scene:
             emitter = self.lights[light]
             objects[light] = objects[light] | {"emitter": emitter} if light in objects else emitter
         return mi.load_dict(objects)
+
+
+def pixel_rays(sensor, size, offset=(0.5, 0.5), repeat=1):
+    """`repeat` rays through each pixel, at `offset` in it."""
+    index = dr.arange(mi.UInt32, size[0] * size[1] * repeat) // repeat
+    x, y = index % size[0], index // size[0]
+    place = mi.Point2f((mi.Float(x) + offset[0]) / size[0], (mi.Float(y) + offset[1]) / size[1])
+    return sensor.sample_ray(0, 0, place, mi.Point2f(0.5))[0]
 
 
 def rgb(value):

@@ -31,16 +31,16 @@ use candela::error::Result;
 use candela::startup;
 use clap::Parser;
 use std::process::ExitCode;
-use tracing_subscriber::EnvFilter;
+use tracing_subscriber::filter::{LevelFilter, Targets};
+use tracing_subscriber::prelude::*;
 
 fn main() -> ExitCode {
     startup::begin();
     // What the user should know even without RUST_LOG.
-    let quiet = || EnvFilter::new("error,candela=warn");
-    tracing_subscriber::fmt()
-        .with_env_filter(EnvFilter::try_from_default_env().unwrap_or_else(|_| quiet()))
-        .with_writer(std::io::stderr)
-        .init();
+    let quiet = || Targets::new().with_default(LevelFilter::ERROR).with_target("candela", LevelFilter::WARN);
+    let asked = std::env::var("RUST_LOG").ok().and_then(|text| text.parse::<Targets>().ok());
+    let messages = tracing_subscriber::fmt::layer().with_writer(std::io::stderr);
+    tracing_subscriber::registry().with(messages.with_filter(asked.unwrap_or_else(quiet))).init();
     match run() {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {

@@ -13,6 +13,8 @@ use shared::resources::Resource;
 use shared::stored_ray::StoredRay;
 
 /// Targets of one picture size, and which frame they hold. Frames of several histories may take turns on one recorder.
+///
+/// [`Recorder`](super::recorder::Recorder) has an example.
 pub struct History {
     pub(super) targets: Targets,
     pub(super) rotation: Rotation,

@@ -8,6 +8,8 @@ use glam::UVec2;
 use shared::resources::Resource;
 
 /// Display values of a frame, 8 bits a channel. The view decodes sRGB: samplers read linear values from 0 to 1.
+///
+/// [`Recorder`](super::recorder::Recorder) has an example.
 pub struct Picture {
     image: Image,
     size: UVec2,

@@ -30,6 +30,18 @@ const READERS: PipelineStage = PipelineStage::from_raw(
 );
 
 /// What a frame is made with, beside its camera.
+///
+/// ```
+/// use candela::frame::renderer::FrameOptions;
+/// use candela::frame::schedule::{Primary, Work};
+/// use candela::knobs::Knobs;
+///
+/// // A frame of ReSTIR in a scene of 500 lights, for the eye; and the sum over all lights, as the truth.
+/// let settings = Knobs { candidates: 16, ..Knobs::default() }.settings(500);
+/// let frame = FrameOptions { exposure: 0.5, ..FrameOptions::new(Work::Restir(settings), Primary::Auto, 0).finished() };
+/// let truth = FrameOptions::new(Work::Reference { lights: 500 }, Primary::Auto, 0);
+/// assert!(frame.denoise && frame.antialias && !truth.denoise);
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct FrameOptions {
     /// What is rendered.
@@ -105,6 +117,39 @@ impl Plan {
 }
 
 /// A scene with the pipelines that its frames need.
+///
+/// ```
+/// use candela::frame::history::History;
+/// use candela::frame::picture::Picture;
+/// use candela::frame::recorder::{FrameOptions, Recorder};
+/// # use candela::frame::schedule::{Primary, Work};
+/// # use candela::gpu_scene::GpuScene;
+/// # use candela::knobs::Knobs;
+/// # use candela::scene::{Illumination, SceneSource, load};
+/// # use candela::shared::glam::UVec2;
+/// # use candela::vulkan::{Device, DeviceOptions, Timestamps};
+///
+/// # let size = UVec2::new(32, 18);
+/// # let scene = load(&SceneSource::Knot, &Illumination::points(30))?;
+/// # let camera = scene.camera(None)?.seen_in(size);
+/// # let device = Device::new(&DeviceOptions::default())?;
+/// # let gpu_scene = GpuScene::new(&device, &scene)?;
+/// # let settings = Knobs::default().settings(gpu_scene.lights());
+/// # let options = FrameOptions::new(Work::Restir(settings), Primary::Auto, 0);
+/// let mut recorder = Recorder::new(&device, gpu_scene)?;
+/// let mut history = History::new(&device, size, settings.reservoirs)?;
+/// let mut timestamps = Timestamps::new(&device, 64)?;
+/// let picture = Picture::new(&device, size)?;
+///
+/// // `cmd` is any command buffer that records; this one is submitted and waited for.
+/// device.submit_once("frame", |cmd| {
+///     recorder.record(cmd, &mut history, camera, &options, &mut timestamps)?;
+///     picture.record(cmd, &history)
+/// })?;
+/// assert_eq!(history.index(), 1);
+/// assert_eq!(history.radiance()?.len(), 32 * 18);
+/// # Ok::<(), candela::error::Error>(())
+/// ```
 pub struct Recorder {
     device: Device,
     scene: GpuScene,

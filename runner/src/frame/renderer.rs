@@ -27,6 +27,38 @@ pub type StepTimes = Vec<(&'static str, f64)>;
 pub const MAX_TIMESTAMPS: u32 = 64;
 
 /// Renders frames, one after another, with their history.
+///
+/// ```
+/// use candela::frame::renderer::{FrameOptions, Renderer};
+/// use candela::frame::schedule::{Primary, Work};
+/// use candela::gpu_scene::GpuScene;
+/// use candela::knobs::Knobs;
+/// use candela::scene::{Illumination, SceneSource, load};
+/// use candela::shared::glam::{UVec2, Vec3};
+/// use candela::vulkan::{Device, DeviceOptions};
+///
+/// let size = UVec2::new(32, 18);
+/// let scene = load(&SceneSource::Knot, &Illumination::points(30))?;
+/// let camera = scene.camera(None)?.seen_in(size);
+/// let device = Device::new(&DeviceOptions::default())?;
+/// let gpu_scene = GpuScene::new(&device, &scene)?;
+/// let settings = Knobs::default().settings(gpu_scene.lights());
+///
+/// let mut renderer = Renderer::new(&device, gpu_scene, size, settings.reservoirs)?;
+/// let frame = FrameOptions::new(Work::Restir(settings), Primary::Auto, 0);
+/// for _ in 0..4 {
+///     renderer.render(camera, &frame)?;
+/// }
+/// let picture: Vec<Vec3> = renderer.radiance()?;
+///
+/// // The sum over all lights, in the mean 30 frames later.
+/// let truth = FrameOptions::new(Work::Reference { lights: 30 }, Primary::Auto, 0);
+/// renderer.render(camera, &truth)?;
+/// let mean = |picture: &[Vec3]| picture.iter().sum::<Vec3>() / picture.len() as f32;
+/// let ratio = mean(&picture) / mean(&renderer.radiance()?);
+/// assert!((ratio - 1.0).abs().max_element() < 0.2, "{ratio}");
+/// # Ok::<(), candela::error::Error>(())
+/// ```
 pub struct Renderer {
     device: Device,
     recorder: Recorder,

@@ -36,6 +36,17 @@ use std::time::Instant;
 const STORAGE: vk::BufferUsageFlags = vk::BufferUsageFlags::STORAGE_BUFFER;
 
 /// The device's copy of a scene. Its handles stay valid as long as it lives.
+///
+/// ```
+/// use candela::gpu_scene::GpuScene;
+/// use candela::scene::{Illumination, SceneSource, load};
+/// use candela::vulkan::{Device, DeviceOptions};
+///
+/// let device = Device::new(&DeviceOptions::default())?;
+/// let scene = GpuScene::new(&device, &load(&SceneSource::Knot, &Illumination::points(100))?)?;
+/// assert_eq!(scene.lights().number, 100);
+/// # Ok::<(), candela::error::Error>(())
+/// ```
 pub struct GpuScene {
     set: DescriptorSet,
     lights: LightCount,

@@ -109,6 +109,17 @@ macro_rules! knobs {
         higher $host_higher:literal, lower $host_lower:literal, bias $host_bias:literal;
     )* }) => {
         /// A value for every knob. In a document a knob that is missing has its default; one that does not exist is an error.
+        ///
+        /// ```
+        /// use candela::knobs::{Auto, Knobs, Mode};
+        ///
+        /// let thesis = Knobs { mode: Mode::Biased, iterations: 2, radius: 30.0, cells: Auto::Off, ..Knobs::default() };
+        /// thesis.check()?;
+        /// let settings = thesis.settings(500);
+        /// assert!(settings.radius == 30.0 && settings.cells == 0);
+        /// assert!(Knobs { candidates: 0, ..Knobs::default() }.check().is_err());
+        /// # Ok::<(), String>(())
+        /// ```
         #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
         #[serde(default, deny_unknown_fields)]
         pub struct Knobs {

@@ -100,6 +100,21 @@ pub enum Interpolation {
 }
 
 /// What stands where in the world at one time: all that moves, and nothing else.
+///
+/// A program that moves things itself fills it in, applies it to the scene, and tells the renderer:
+///
+/// ```
+/// use candela::scene::animation::{Pose, Thing};
+/// use candela::scene::{Illumination, SceneSource, load};
+/// use candela::shared::glam::{DAffine3, DVec3, Vec3};
+///
+/// let mut scene = load(&SceneSource::Knot, &Illumination::points(2))?;
+/// let above = DAffine3::from_translation(DVec3::new(0.0, 2.0, 0.0));
+/// let pose = Pose { places: vec![(Thing::Light(0), above)], bent: None };
+/// scene.apply(&pose); // then: renderer.update_scene(&scene, &pose)?;
+/// assert_eq!(scene.lights[0].position(), Some(Vec3::new(0.0, 2.0, 0.0)));
+/// # Ok::<(), candela::error::Error>(())
+/// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Pose {
     /// Object to world of each thing that moves.

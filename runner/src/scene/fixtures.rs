@@ -255,7 +255,7 @@ mod tests {
         Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets/scenes")
     }
 
-    /// After a wanted change of a scene: `cargo test -p candela --lib rewrite_the_committed_files -- --ignored`.
+    /// After a wanted change of a scene: `cargo test -p candela-renderer --lib rewrite_the_committed_files -- --ignored`.
     #[test]
     #[ignore = "writes to assets/scenes"]
     fn rewrite_the_committed_files() {

@@ -27,6 +27,30 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 /// Everything that is drawn, in metres and photometric units.
+///
+/// A program fills in what it needs:
+///
+/// ```
+/// use candela::scene::{Instance, Material, Mesh, PointLight, Primitive, SceneDescription};
+/// use candela::shared::glam::{Affine3A, Vec3};
+///
+/// let triangle = Primitive {
+///     positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y],
+///     normals: vec![Vec3::Z; 3],
+///     indices: vec![0, 1, 2],
+///     ..Primitive::default()
+/// };
+/// let two_metres_away = Affine3A::from_translation(Vec3::new(0.0, 0.0, -2.0));
+/// let scene = SceneDescription {
+///     meshes: vec![Mesh { name: "triangle".into(), primitives: vec![triangle] }],
+///     instances: vec![Instance { name: "here".into(), mesh: 0, transform: two_metres_away }],
+///     materials: vec![Material { metallic: 1.0, roughness: 0.3, ..Material::default() }],
+///     lights: vec![PointLight { position: Vec3::Z, intensity: Vec3::splat(50.0), radius: 0.0 }.into()],
+///     ..SceneDescription::default()
+/// };
+/// assert_eq!(scene.triangle_count(), 1);
+/// assert_eq!(scene.bounds().max, Vec3::new(1.0, 1.0, -2.0));
+/// ```
 #[derive(Clone, Debug, Default)]
 pub struct SceneDescription {
     /// For messages and file names.
@@ -86,7 +110,8 @@ pub struct Primitive {
     pub second_uvs: Vec<Vec2>,
     /// Linear RGBA, 0..=1.
     pub colors: Vec<Vec4>,
-    /// Three a triangle, each below the number of positions.
+    /// Three a triangle, counter-clockwise as seen from its front; each below the number of positions. Cameras don't see the backs
+    /// of materials that are not [`Material::double_sided`].
     pub indices: Vec<u32>,
     /// What bends it, where it is kept as modelled.
     pub bends: deform::Bends,
@@ -104,6 +129,15 @@ pub struct Instance {
 }
 
 /// glTF's material parameters.
+///
+/// ```
+/// use candela::scene::Material;
+/// use candela::shared::glam::Vec3;
+///
+/// let gold = Material { base_color: Vec3::new(1.0, 0.77, 0.34).extend(1.0), metallic: 1.0, roughness: 0.2, ..Material::default() };
+/// let lamp = Material { emission: Vec3::splat(2_000.0), ..Material::default() }; // each triangle is a light
+/// assert!(gold.emission == Vec3::ZERO && lamp.metallic == 0.0);
+/// ```
 #[derive(Clone, Debug)]
 pub struct Material {
     /// For messages.

@@ -77,6 +77,20 @@ impl SceneSource {
 }
 
 /// Loads or generates a scene, and lights it.
+///
+/// ```
+/// use candela::error::Kind;
+/// use candela::scene::{Illumination, SceneSource, load};
+/// use std::path::Path;
+///
+/// // "model.glb" would be a file; `knot` is built in, and has no lights of its own.
+/// let scene = load(&SceneSource::named(Path::new("knot")), &Illumination::points(30))?;
+/// assert_eq!(scene.lights.len(), 30);
+///
+/// let missing = load(&SceneSource::named(Path::new("no-such-file.glb")), &Illumination::points(30));
+/// assert_eq!(missing.unwrap_err().kind(), Kind::Input);
+/// # Ok::<(), candela::error::Error>(())
+/// ```
 pub fn load(source: &SceneSource, illumination: &Illumination) -> Result<SceneDescription> {
     let &Illumination { lights, ref environment, emissive_scale, light_radius, hard_terminator } =
         illumination;

@@ -19,6 +19,14 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// Which device, and what it should be able to do.
+///
+/// ```
+/// use candela::vulkan::{Device, DeviceOptions};
+///
+/// let device = Device::new(&DeviceOptions { validate: false, device: None, ..DeviceOptions::default() })?;
+/// println!("{}, {} bytes in use", device.info().name, device.memory_used());
+/// # Ok::<(), candela::error::Error>(())
+/// ```
 #[derive(Clone, Debug, Default)]
 pub struct DeviceOptions {
     /// Runs under the Khronos validation layer and collects what it says.

@@ -110,7 +110,7 @@ fn is_text(path: &Path) -> bool {
 /// Rustdoc's pages of the library and the estimator.
 fn document(to: &Path) -> Result<()> {
     let mut doc = command::cargo();
-    doc.args(["doc", "--locked", "--no-deps", "-p", "candela", "-p", "candela-shared", "--lib"]);
+    doc.args(["doc", "--locked", "--no-deps", "-p", "candela-renderer", "-p", "candela-shared", "--lib"]);
     command::run(&mut doc)?;
     copy_folder(&command::target_dir().join("doc"), to)
 }

@@ -2,10 +2,19 @@
 
 use super::Reason;
 use crate::files;
+use base64::Engine;
+use base64::alphabet::STANDARD;
+use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 use std::borrow::Cow;
 use std::ffi::OsString;
 use std::fs;
 use std::path::{Path, PathBuf};
+
+/// Files with and without padding exist.
+const BASE64: GeneralPurpose = GeneralPurpose::new(
+    &STANDARD,
+    GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent),
+);
 
 /// What a URI stands for.
 pub enum Content<'a> {
@@ -74,13 +83,7 @@ fn read_data(uri: &str) -> Reason<Vec<u8>> {
     let Some((_, payload)) = uri.split_once(";base64,") else {
         return Err(format!("'{}': a data URI must be base64", label(uri)));
     };
-    // The decoder of the gltf crate pads to whole words; what it adds is no data.
-    let length = payload.trim_end_matches('=').len() * 3 / 4;
-    let padded = gltf::buffer::Data::from_source(gltf::buffer::Source::Uri(uri), None)
-        .map_err(|error| format!("'{}': broken base64: {error}", label(uri)))?;
-    let mut data = padded.0;
-    data.truncate(length);
-    Ok(data)
+    BASE64.decode(payload).map_err(|error| format!("'{}': broken base64: {error}", label(uri)))
 }
 
 /// `%20` and the like as the bytes they stand for (RFC 3986, 2.1); what is no valid escape stays as it is.

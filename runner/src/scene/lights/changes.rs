@@ -9,6 +9,33 @@ use std::collections::HashSet;
 use std::ops::Range;
 
 /// Which of the former placed lights is which.
+///
+/// ```
+/// # use candela::frame::renderer::{FrameOptions, Renderer};
+/// # use candela::frame::schedule::{Primary, Work};
+/// # use candela::gpu_scene::GpuScene;
+/// # use candela::knobs::Knobs;
+/// # use candela::scene::{Illumination, SceneSource, load};
+/// # use candela::shared::glam::UVec2;
+/// # use candela::vulkan::{Device, DeviceOptions};
+/// use candela::scene::lights::LightEdits;
+///
+/// # let size = UVec2::new(32, 18);
+/// # let mut scene = load(&SceneSource::Knot, &Illumination::points(3))?;
+/// # let camera = scene.camera(None)?.seen_in(size);
+/// # let device = Device::new(&DeviceOptions::default())?;
+/// # let gpu_scene = GpuScene::new(&device, &scene)?;
+/// # let settings = Knobs::default().settings(gpu_scene.lights());
+/// # let mut renderer = Renderer::new(&device, gpu_scene, size, settings.reservoirs)?;
+/// # let options = FrameOptions::new(Work::Restir(settings), Primary::Auto, 0);
+/// # renderer.render(camera, &options)?;
+/// // The first of three lights goes out: the other two move up.
+/// scene.lights.remove(0);
+/// renderer.replace_lights(&scene, &LightEdits { places: Some(vec![None, Some(0), Some(1)]) })?;
+/// renderer.render(camera, &options)?;
+/// assert_eq!(renderer.scene().lights().number, 2);
+/// # Ok::<(), candela::error::Error>(())
+/// ```
 #[derive(Clone, Debug, Default)]
 pub struct LightEdits {
     /// Of each its index in the scene's list now; `None` for one that is gone. Without: the list stays in its order, and what

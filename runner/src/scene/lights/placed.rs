@@ -4,6 +4,32 @@ use glam::{DAffine3, Vec2, Vec3};
 use shared::light::Light;
 
 /// A light with a place of its own, in world space.
+///
+/// ```
+/// use candela::scene::{DirectionalLight, PanelLight, PanelShape, PlacedLight, PointLight, SpotLight};
+/// use candela::shared::glam::{Vec2, Vec3};
+///
+/// let bulb = PointLight { position: Vec3::Y, intensity: Vec3::splat(80.0), radius: 0.05 };
+/// let spot = SpotLight {
+///     position: 3.0 * Vec3::Y,
+///     axis: -Vec3::Y,
+///     intensity: Vec3::splat(1_000.0),
+///     inner_angle: 0.3,
+///     outer_angle: 0.5,
+///     radius: 0.0,
+/// };
+/// let window = PanelLight {
+///     position: Vec3::new(0.0, 1.5, -4.0),
+///     axis: Vec3::Z,
+///     up: Vec3::Y,
+///     size: Vec2::new(2.0, 1.0),
+///     shape: PanelShape::Rectangle,
+///     radiance: Vec3::splat(500.0),
+/// };
+/// let sun = DirectionalLight { direction: Vec3::new(0.6, 0.8, 0.0), illuminance: Vec3::splat(100_000.0) };
+/// let lights: [PlacedLight; 4] = [bulb.into(), spot.into(), window.into(), sun.into()];
+/// assert!(lights[2].position() == Some(window.position) && lights[3].position().is_none());
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PlacedLight {
     /// In every direction.
