@@ -8,8 +8,7 @@ use candela::scene::{Instance, Mesh, PointLight, SceneDescription, fixtures};
 use glam::{Affine3A, DAffine3, DQuat, DVec3, UVec2, Vec3, Vec4};
 use shared::camera::Camera;
 use shared::frame::{Settings, indirect};
-use shared::resources::Resource;
-use tests::gpu::{assert_no_validation_messages, device, options, pose, renderer};
+use tests::gpu::{assert_no_validation_messages, device, options, pose, renderer, what_bounced};
 use tests::scenes::{pane, square};
 use tests::statistics::{assert_means, largest_z, replicas};
 
@@ -65,11 +64,7 @@ fn last(renderer: &mut Renderer, cameras: &[Camera], settings: Settings, seed: u
     for camera in cameras {
         renderer.render(*camera, &options).expect("the frame renders");
     }
-    let read = |resource| renderer.read::<Vec3>(resource).expect("it is read back");
-    let (diffuse, specular) = (read(Resource::indirect_diffuse), read(Resource::indirect_specular));
-    let gbuffer = renderer.gbuffer().expect("it is read back");
-    let parts = diffuse.iter().zip(&specular).zip(&gbuffer);
-    parts.map(|((&diffuse, &specular), texel)| texel.diffuse() * diffuse + specular).collect()
+    what_bounced(renderer)
 }
 
 fn paths(renderer: &mut Renderer, camera: Camera, bounces: u32, seed: u32) -> Vec<Vec3> {

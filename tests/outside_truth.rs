@@ -5,20 +5,23 @@
 //! normal or another texel of the sky than its middle does, or the edge of a hard shadow is within a millimetre, a rounding
 //! decides what is seen: those pixels (alpha 0 in the references) are not compared.
 
+use candela::frame::renderer::FrameOptions;
 use candela::frame::schedule::Work;
 use candela::scene::{PlacedLight, SceneDescription, interchange};
 use candela_lab::measure::mean::Mean;
 use candela_lab::measure::metrics::{metrics, with_flip};
 use glam::{Affine3A, DAffine3, IVec2, UVec2, Vec3, Vec4};
 use shared::camera::Camera;
-use shared::frame::{Settings, mode};
+use shared::frame::{Settings, indirect, mode};
 use shared::interface::UNBOUNDED;
 use shared::light::kind;
 use shared::material::slot;
 use shared::math::luminance;
 use std::path::{Path, PathBuf};
 use tests::failure;
-use tests::gpu::{Gpu, assert_no_validation_messages, device, options, reference, renderer, restir, small};
+use tests::gpu::{
+    Gpu, assert_no_validation_messages, device, options, reference, renderer, restir, small, what_bounced,
+};
 use tests::outside::{SIZE, all, bounced, named};
 use tests::statistics::{largest_z, mean_and_error};
 
@@ -280,6 +283,56 @@ fn light_that_bounces_agrees_with_mitsuba() {
         println!("| {error} {comparison}");
         assert!(!comparison.agrees(), "{error} was not seen: {comparison}");
     }
+    assert_no_validation_messages(&device);
+}
+
+/// Independent runs of three frames.
+const BOUNCED_RUNS: u32 = 96;
+
+/// Light that bounces in the last of three frames with histories and pairs.
+fn our_resampled_paths(device: &Gpu, scene: &SceneDescription, bounces: u32) -> Mean {
+    let mut renderer = renderer(device, scene, BOUNCED_SIZE, 1);
+    let mut mean = Mean::new(BOUNCED_SIZE);
+    let camera = scene.cameras[0].seen_in(BOUNCED_SIZE);
+    let indirect = if bounces == 1 { indirect::ONE } else { indirect::FULL };
+    let settings = Settings { indirect, candidates: 8, radius: 8.0, ..Settings::default() };
+    for seed in 0..BOUNCED_RUNS {
+        renderer.restart();
+        let options = FrameOptions { parts: true, ..options(Work::Restir(settings), seed) };
+        (0..3).for_each(|_| drop(renderer.render(camera, &options).expect("the frame renders")));
+        mean.add(&what_bounced(&renderer));
+    }
+    mean
+}
+
+/// Resampled paths against Mitsuba's: as [`light_that_bounces_agrees_with_mitsuba`], of frames. They are noisier than paths: means have
+/// standard errors of some 1 %.
+#[test]
+fn resampled_light_that_bounces_agrees_with_mitsuba() {
+    let Some(device) = device() else { return };
+    let truths =
+        [("cornell-box", 1, "1"), ("cornell-box", UNBOUNDED, "inf"), ("metal-room", UNBOUNDED, "inf")];
+    let scene = |name: &str| {
+        bounced()
+            .into_iter()
+            .map(|(scene, _)| scene)
+            .find(|scene| scene.name == name)
+            .expect("a scene of this name")
+    };
+    let mut failed = Vec::new();
+    for (name, bounces, depth) in truths {
+        let truth = bounced_truth(&format!("{name}-bounces-{depth}"));
+        let comparison = Bounced::new(&our_resampled_paths(&device, &scene(name), bounces), &truth);
+        println!("| {name}, {depth} {comparison}");
+        if !comparison.agrees() {
+            failed.push(format!("{name}, {depth} {comparison}"));
+        }
+    }
+    assert!(failed.is_empty(), "{}", failed.join("\n"));
+    // The planted error: one bounce in place of all of them.
+    let truth = bounced_truth("cornell-box-bounces-inf");
+    let comparison = Bounced::new(&our_resampled_paths(&device, &scene("cornell-box"), 1), &truth);
+    assert!(!comparison.agrees(), "a bounce alone was not seen: {comparison}");
     assert_no_validation_messages(&device);
 }
 

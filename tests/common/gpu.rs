@@ -8,6 +8,7 @@ use candela::vulkan::{Device, DeviceOptions};
 use glam::{UVec2, Vec3};
 use shared::camera::Camera;
 use shared::frame::Settings;
+use shared::resources::Resource;
 use std::ops::Deref;
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
@@ -105,4 +106,13 @@ pub fn reference(renderer: &mut Renderer, camera: Camera, seed: u32) -> Vec<Vec3
     renderer.restart();
     renderer.render(camera, &options(Work::Reference { lights }, seed)).expect("the frame renders");
     renderer.radiance().expect("the picture is read back")
+}
+
+/// Light that bounced in the last frame, which was rendered in parts.
+pub fn what_bounced(renderer: &Renderer) -> Vec<Vec3> {
+    let read = |resource| renderer.read::<Vec3>(resource).expect("it is read back");
+    let (diffuse, specular) = (read(Resource::indirect_diffuse), read(Resource::indirect_specular));
+    let gbuffer = renderer.gbuffer().expect("it is read back");
+    let parts = diffuse.iter().zip(&specular).zip(&gbuffer);
+    parts.map(|((&diffuse, &specular), texel)| texel.diffuse() * diffuse + specular).collect()
 }
