@@ -3,7 +3,7 @@
 use candela::frame::renderer::FrameOptions;
 use candela::frame::schedule::{Primary, Work};
 use glam::{UVec2, Vec2, Vec3};
-use shared::antialias::{filter, place_in_a_mean};
+use shared::antialias::{PixelFilter, filter};
 use shared::camera::Camera;
 use shared::frame::Settings;
 use shared::math::{CENTER, luminance};
@@ -107,11 +107,11 @@ fn means_are_the_filtered_picture() {
     };
     let (sum, resampled) = (Work::Reference { lights }, Work::Restir(settings()));
     for primary in [Primary::Raster, Primary::Rays] {
-        let exact = mean(sum, primary, 64, place_in_a_mean);
+        let exact = mean(sum, primary, 64, |frame| PixelFilter::Gaussian.place(frame));
         assert!(error(&exact, &truth, &edges) < 0.04, "{primary:?}: {}", error(&exact, &truth, &edges));
         let centers = mean(sum, primary, 1, |_| CENTER);
         assert!(error(&centers, &truth, &edges) > 0.2);
-        let resampled = mean(resampled, primary, 64, place_in_a_mean);
+        let resampled = mean(resampled, primary, 64, |frame| PixelFilter::Gaussian.place(frame));
         let off = error(&resampled, &truth, &edges);
         assert!(off < 0.12, "{primary:?}: {off}");
     }

@@ -1,8 +1,8 @@
 //! Antialiasing of a picture over time, for display: never in what is measured.
 //!
 //! A frame sees each pixel through one place in it. At rest that place wanders ([`crate::passes::points::place_at_rest`]), and the mean
-//! over frames is the picture behind a filter a little wider than a pixel ([`filter`]). Means that are measured draw places like the filter ([`place_in_a_mean`]), and all their frames weigh the same. What moves takes its mean along, as far as the
-//! pixels around bear it out ([`Bounds`]; Karis 2014, "High Quality Temporal Supersampling"; Salvi 2016, "An Excursion in Temporal
+//! over frames is the picture behind a filter a little wider than a pixel ([`filter`]). Means that are measured draw places like a filter
+//! (`PixelFilter`), and all their frames weigh the same. What moves takes its mean along, as far as the pixels around bear it out ([`Bounds`]; Karis 2014, "High Quality Temporal Supersampling"; Salvi 2016, "An Excursion in Temporal
 //! Supersampling").
 
 #[cfg(not(target_arch = "spirv"))]
@@ -29,26 +29,54 @@ pub fn filter(offset: Vec2) -> f32 {
     (-offset.length_squared() / (2.0 * DEVIATION * DEVIATION)).exp()
 }
 
-/// The place in its pixel through which each looks in frame number `frame` of a mean, packed: drawn like [`filter`] (filter importance
-/// sampling: the mean over frames is the filtered picture, and all frames weigh the same), evenly (the sequence R2).
+/// What a mean over frames weighs light with, by how far from a pixel's center it is seen. Separable; none reaches farther than a pixel
+/// along an axis.
 #[cfg(not(target_arch = "spirv"))]
-pub fn place_in_a_mean(frame: u32) -> u32 {
-    pack_place(0.5 + quasirandom(frame).map(offset))
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PixelFilter {
+    /// The pixel, evenly.
+    Box,
+    /// [`filter`].
+    Gaussian,
+    /// Four terms of cosines over 1.5 pixels (Harris 1978).
+    BlackmanHarris,
 }
 
-/// Where the share `u` of the filter lies on one side along an axis, pixels from the center.
 #[cfg(not(target_arch = "spirv"))]
-fn offset(u: f32) -> f32 {
-    // As fine as places are packed.
-    const STEPS: i32 = 2048;
-    let at = |step: i32| (step as f32 + 0.5) / STEPS as f32 * RADIUS;
-    let weight = |step: i32| f64::from(filter(Vec2::new(at(step), 0.0)));
-    let mut left = f64::from(u) * (-STEPS..STEPS).map(weight).sum::<f64>();
-    let passes = |step: &i32| {
-        left -= weight(*step);
-        left < 0.0
-    };
-    at((-STEPS..STEPS).find(passes).unwrap_or(STEPS - 1))
+impl PixelFilter {
+    /// The place in its pixel through which each looks in frame number `frame` of a mean, packed: drawn like the filter (filter
+    /// importance sampling: the mean over frames is the filtered picture, and all frames weigh the same), evenly (the sequence R2).
+    pub fn place(self, frame: u32) -> u32 {
+        pack_place(0.5 + quasirandom(frame).map(|u| self.offset(u)))
+    }
+
+    /// Along an axis, `x` pixels from the center; not normalized.
+    fn weight(self, x: f32) -> f32 {
+        use std::f32::consts::TAU;
+        match self {
+            PixelFilter::Box => f32::from(x.abs() <= 0.5),
+            PixelFilter::Gaussian => filter(Vec2::new(x, 0.0)),
+            PixelFilter::BlackmanHarris if x.abs() > 0.75 => 0.0,
+            PixelFilter::BlackmanHarris => {
+                let term = |k: f32, factor: f32| factor * (k * TAU * (x / 1.5)).cos();
+                0.35875 + term(1.0, 0.48829) + term(2.0, 0.14128) + term(3.0, 0.01168)
+            }
+        }
+    }
+
+    /// Where the share `u` of the filter lies on one side along an axis, pixels from the center.
+    fn offset(self, u: f32) -> f32 {
+        // As fine as places are packed.
+        const STEPS: i32 = 2048;
+        let at = |step: i32| (step as f32 + 0.5) / STEPS as f32 * RADIUS;
+        let weight = |step: i32| f64::from(self.weight(at(step)));
+        let mut left = f64::from(u) * (-STEPS..STEPS).map(weight).sum::<f64>();
+        let passes = |step: &i32| {
+            left -= weight(*step);
+            left < 0.0
+        };
+        at((-STEPS..STEPS).find(passes).unwrap_or(STEPS - 1))
+    }
 }
 
 /// Point number `i` of the sequence R2 in the unit square (Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences").

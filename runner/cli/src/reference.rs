@@ -13,7 +13,7 @@ use candela::image_io::PictureFormat;
 use candela::vulkan::Device;
 use candela_lab::measure::sweep::truth::{Lighting, PATHS_A_FRAME};
 use clap::Args;
-use shared::antialias::place_in_a_mean;
+use shared::antialias::PixelFilter;
 use shared::interface::UNBOUNDED;
 use shared::math::CENTER;
 use std::time::{Duration, Instant};
@@ -36,9 +36,9 @@ pub struct ReferenceArgs {
     /// Paths a pixel for indirect light.
     #[arg(long, default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..))]
     pub paths: u32,
-    /// Look through another place in each pixel with each sample, drawn like a Gaussian filter: the truth of an antialiased mean.
-    #[arg(long)]
-    pub antialias: bool,
+    /// Look through another place in each pixel with each sample, drawn like a filter: the truth of an antialiased mean.
+    #[arg(long, value_name = "FILTER", num_args = 0..=1, require_equals = true, default_missing_value = "gaussian", value_parser = choice::<PixelFilter>())]
+    pub antialias: Option<PixelFilter>,
     /// As for `render`.
     #[arg(long, value_parser = choice::<Primary>(), default_value = "auto")]
     pub primary: Primary,
@@ -53,8 +53,8 @@ pub fn run(args: &ReferenceArgs) -> Result<()> {
     let gpu_scene = GpuScene::new(&device, &scene)?;
     let lighting = Lighting::new(&gpu_scene, args.primary);
     let lights = lighting.lights;
-    let samples = if lighting.is_exact() && !args.antialias { 1 } else { args.samples };
-    let place = |frame: u32| if args.antialias { place_in_a_mean(frame) } else { CENTER };
+    let samples = if lighting.is_exact() && args.antialias.is_none() { 1 } else { args.samples };
+    let place = |frame: u32| args.antialias.map_or(CENTER, |filter| filter.place(frame));
     let mut renderer = Renderer::new(&device, gpu_scene, args.picture.size, 0)?;
     let options = args.picture.options(Work::Reference { lights }, args.primary);
     let metered = match format {
@@ -92,7 +92,7 @@ pub fn run(args: &ReferenceArgs) -> Result<()> {
         n => println!("{paths} paths a pixel, {n} bounces, {}", seconds(traced)),
     }
     match samples.max(path_frames) {
-        1 if lighting.is_exact() && !args.antialias && paths == 0 => {
+        1 if lighting.is_exact() && args.antialias.is_none() && paths == 0 => {
             println!("exact: no light has an extent")
         }
         1 => {}

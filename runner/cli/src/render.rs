@@ -2,7 +2,7 @@
 
 use super::accumulation::{Accumulation, Content};
 use super::args::values::positive;
-use super::args::{DeviceArgs, KnobArgs, PictureArgs, SceneArgs};
+use super::args::{DeviceArgs, KnobArgs, PictureArgs, SceneArgs, choice};
 use super::progress::Steps;
 use super::{output, sequence, truth, view};
 use candela::error::Result;
@@ -15,7 +15,7 @@ use candela::startup;
 use candela::vulkan::Device;
 use candela_lab::measure::times::PassTimes;
 use clap::Args;
-use shared::antialias::place_in_a_mean;
+use shared::antialias::PixelFilter;
 use shared::frame::Settings;
 use shared::math::CENTER;
 use shared::resources::Resource;
@@ -49,9 +49,9 @@ pub struct RenderArgs {
     /// better sooner with --no-temporal --no-spatial.
     #[arg(long)]
     pub accumulate: bool,
-    /// Antialias the mean of `--accumulate`: each frame looks through another place in each pixel, drawn like a Gaussian filter.
-    #[arg(long, requires = "accumulate")]
-    pub antialias: bool,
+    /// Antialias the mean of `--accumulate`: each frame looks through another place in each pixel, drawn like a filter.
+    #[arg(long, value_name = "FILTER", requires = "accumulate", num_args = 0..=1, require_equals = true, default_missing_value = "gaussian", value_parser = choice::<PixelFilter>())]
+    pub antialias: Option<PixelFilter>,
     /// Denoise and antialias the picture, for the eye: means over frames along surface points, an edge-stopping filter, and a mean
     /// over places in each pixel (not with --pixel-centers). Its histories are those of frames whose mean is taken.
     #[arg(long, conflicts_with_all = ["accumulate", "layers"])]
@@ -107,7 +107,7 @@ fn still(args: &RenderArgs, frames: u32) -> Result<()> {
     let mut times = PassTimes::default();
     let mut layers = (args.accumulate && options.parts).then(|| Accumulation::new(size, true));
     for frame in 1..=frames {
-        options.place = if args.antialias { place_in_a_mean(frame - 1) } else { CENTER };
+        options.place = args.antialias.map_or(CENTER, |filter| filter.place(frame - 1));
         times.add(match layers {
             None if args.accumulate => renderer.render_into_mean(camera, &options, frame)?,
             _ => renderer.render(camera, &options)?,

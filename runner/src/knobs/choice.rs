@@ -2,6 +2,7 @@
 
 use crate::frame::schedule::Primary;
 use serde::{Deserialize, Serialize};
+use shared::antialias::PixelFilter;
 use shared::frame::{indirect, mode};
 
 /// One of a few words, from the lowest to the highest.
@@ -108,6 +109,15 @@ impl Auto {
             Auto::On => true,
         }
     }
+}
+
+impl Choice for PixelFilter {
+    const ALL: &'static [Self] = &[PixelFilter::Box, PixelFilter::Gaussian, PixelFilter::BlackmanHarris];
+    const WORDS: &'static [(&'static str, &'static str)] = &[
+        ("box", "The pixel, evenly"),
+        ("gaussian", "A standard deviation of 0.45 pixels, up to 1 pixel away"),
+        ("blackman-harris", "Over 1.5 pixels"),
+    ];
 }
 
 impl Choice for Primary {
