@@ -29,7 +29,18 @@ struct Layers {
     direct: Lobes,
     /// None without light that bounces.
     indirect: Option<Lobes>,
+    /// What pixels saw: of frames through other places in each pixel it is antialiased as the light is.
+    seen: [Mean; SEEN.len()],
 }
+
+/// A layer of what a pixel sees: name, its parts, and what it is of a surface.
+type SeenLayer = (&'static str, &'static str, fn(&GBufferTexel) -> Vec3);
+
+const SEEN: [SeenLayer; 3] = [
+    ("albedo.", "RGB", GBufferTexel::diffuse),
+    ("f0.", "RGB", GBufferTexel::f0),
+    ("normal.", "XYZ", GBufferTexel::normal),
+];
 
 /// Where a frame saw things that the frame after it sees elsewhere.
 pub struct Before {
@@ -69,7 +80,12 @@ fn sum(mut a: Vec<Vec3>, b: &[Vec3]) -> Vec<Vec3> {
 impl Accumulation {
     /// Of no frames yet. `layers`: they will be rendered in parts.
     pub fn new(size: UVec2, layers: bool) -> Self {
-        let empty = || Layers { emission: Mean::new(size), direct: Lobes::new(size), indirect: None };
+        let empty = || Layers {
+            emission: Mean::new(size),
+            direct: Lobes::new(size),
+            indirect: None,
+            seen: SEEN.map(|_| Mean::new(size)),
+        };
         Accumulation { frames: Mean::new(size), paths: None, layers: layers.then(empty) }
     }
 
@@ -79,6 +95,11 @@ impl Accumulation {
         let Some(layers) = &mut self.layers else { return Ok(()) };
         layers.emission.add(&renderer.read::<Vec3>(Resource::emission)?);
         layers.direct.add(renderer, Resource::direct_diffuse, Resource::direct_specular)?;
+        let gbuffer = renderer.gbuffer()?;
+        for (mean, (_, _, look)) in layers.seen.iter_mut().zip(SEEN) {
+            let look = |texel: &GBufferTexel| if texel.is_empty() { Vec3::ZERO } else { look(texel) };
+            mean.add(&gbuffer.iter().map(look).collect::<Vec<_>>());
+        }
         if renderer.has_paths() {
             let indirect = layers.indirect.get_or_insert_with(|| Lobes::new(renderer.size()));
             indirect.add(renderer, Resource::indirect_diffuse, Resource::indirect_specular)?;
@@ -133,7 +154,7 @@ impl Accumulation {
     /// the frame before it, if there was one.
     pub fn content(&self, renderer: &Renderer, camera: Camera, before: Option<&Before>) -> Result<Content> {
         let (size, radiance) = (renderer.size(), self.radiance());
-        let Some(Layers { emission, direct, indirect }) = &self.layers else {
+        let Some(Layers { emission, direct, indirect, seen }) = &self.layers else {
             return Ok(Content::new(size, radiance));
         };
         let (mut diffuse, mut specular) = (direct.diffuse.radiance(), direct.specular.radiance());
@@ -144,9 +165,6 @@ impl Accumulation {
             bounced.push(("indirect.", "RGB", sum(lobes.diffuse.radiance(), &lobes.specular.radiance())));
         }
         let gbuffer = renderer.gbuffer()?;
-        let seen = |look: fn(&GBufferTexel) -> Vec3| -> Vec<Vec3> {
-            gbuffer.iter().map(|texel| if texel.is_empty() { Vec3::ZERO } else { look(texel) }).collect()
-        };
         let place = |i: usize, texel: &GBufferTexel| {
             UVec2::new(i as u32 % size.x, i as u32 / size.x).as_vec2() + unpack_place(texel.place())
         };
@@ -169,12 +187,11 @@ impl Accumulation {
             ("diffuse.", "RGB", diffuse),
             ("specular.", "RGB", specular),
             ("emission.", "RGB", emission.radiance()),
-            ("albedo.", "RGB", seen(GBufferTexel::diffuse)),
-            ("f0.", "RGB", seen(GBufferTexel::f0)),
-            ("normal.", "XYZ", seen(GBufferTexel::normal)),
             ("motion.", "XY", motion),
         ];
-        let layers = layers.iter().chain(&bounced);
+        let seen = SEEN.iter().zip(seen).map(|((name, parts, _), mean)| (*name, *parts, mean.radiance()));
+        let layers: Vec<_> = layers.into_iter().chain(bounced).chain(seen).collect();
+        let layers = layers.iter();
         let channels = layers.flat_map(|(layer, names, content)| channels(layer, names, content));
         Ok(Content { size, radiance, layers: channels.chain([depth]).chain(variance).collect() })
     }
