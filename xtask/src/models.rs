@@ -122,9 +122,11 @@ impl Package {
             Self::Wheel(name, version) => {
                 // One wheel for everybody, whatever Python and system runs this: it is only unpacked.
                 let wheel = ["--python-version", "3.11", "--platform", "manylinux_2_28_x86_64"];
+                // pip takes no platform to include another one.
+                let older = ["--platform", "manylinux2014_x86_64"];
                 let mut pip = command::program("python3");
                 pip.args(["-m", "pip", "--disable-pip-version-check", "download", "--quiet", "--no-deps"]);
-                pip.args(["--only-binary=:all:"]).args(wheel).arg("--dest").arg(scratch);
+                pip.args(["--only-binary=:all:"]).args(wheel).args(older).arg("--dest").arg(scratch);
                 command::run(pip.arg(format!("{name}=={version}"))).context("needs python3 with pip")?;
                 let wheel = only_entry(scratch)?;
                 let contents = scratch.join("contents");
