@@ -8,41 +8,42 @@ use std::path::PathBuf;
 
 const WHEEL: models::Package = models::Package::Wheel("pyoidn", "2.5.1.0");
 
-/// Builds the program with the library and runs its tests; without a wheel for this machine they are left out, and it says so.
+/// Builds the program with the library and runs its tests; where no wheel can be had they are left out, and it says so.
 pub fn test() -> Result<()> {
-    let folder = match library() {
-        Ok(folder) => folder,
-        Err(error) => {
-            println!("stills: tests with Open Image Denoise are left out: {error:#}");
-            return Ok(());
-        }
-    };
+    let Some(folder) = library()? else { return Ok(()) };
     let mut cargo = command::cargo();
     cargo.args(["test", "--workspace", "--features", "candela-cli/oidn", "--test", "stills"]);
     command::run(cargo.env("OIDN_DIR", &folder).env("LD_LIBRARY_PATH", folder.join("lib")))
 }
 
-/// The library's folder, downloaded once.
-fn library() -> Result<PathBuf> {
-    anyhow::ensure!((OS, ARCH) == ("linux", "x86_64"), "the wheel is for Linux on x86-64");
-    let to = command::target_dir().join("oidn");
-    let folder = to.join("pyoidn/oidn");
-    if !folder.join("lib/libOpenImageDenoise.so").exists() {
+/// The library's folder, downloaded once; none without a wheel.
+fn library() -> Result<Option<PathBuf>> {
+    let left_out = |why: &str| println!("stills: tests with Open Image Denoise are left out: {why}");
+    if (OS, ARCH) != ("linux", "x86_64") {
+        left_out("the wheel is for Linux on x86-64");
+        return Ok(None);
+    }
+    let folder = command::target_dir().join("oidn");
+    let (lib, last) = (folder.join("lib"), "libOpenImageDenoise.so");
+    if !lib.join(last).exists() {
         let scratch = models::Scratch::new("oidn")?;
-        let from = WHEEL.download(&scratch.0)?;
+        let wheel = match WHEEL.download(&scratch.0) {
+            Ok(wheel) => wheel.join("pyoidn/oidn/lib"),
+            Err(error) => {
+                left_out(&format!("{error:#}"));
+                return Ok(None);
+            }
+        };
         // Not a rename: temporary folders may lie on another disk.
-        fs::create_dir_all(folder.join("lib"))
-            .with_context(|| format!("can't create {}", folder.display()))?;
-        for file in fs::read_dir(from.join("pyoidn/oidn/lib")).context("the wheel has no library")? {
+        fs::create_dir_all(&lib).with_context(|| format!("can't create {}", lib.display()))?;
+        for file in fs::read_dir(&wheel).context("the wheel has no library")? {
             let file = file?;
-            let name = file.file_name();
             // The name that is looked for comes last.
-            if name != "libOpenImageDenoise.so" {
-                fs::copy(file.path(), folder.join("lib").join(name))?;
+            if file.path().is_file() && file.file_name() != last {
+                fs::copy(file.path(), lib.join(file.file_name()))?;
             }
         }
-        let last = "lib/libOpenImageDenoise.so";
-        fs::copy(from.join("pyoidn/oidn").join(last), folder.join(last))?;
+        fs::copy(wheel.join(last), lib.join(last))?;
     }
-    Ok(folder)
+    Ok(Some(folder))
 }
